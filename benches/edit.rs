@@ -1,5 +1,5 @@
-//! Time of one change, as a hand that drags makes many of: a material's constant and an obstacle's place by a slider, a
-//! cell by a brush.
+//! Time of a single change, of which a dragging hand makes many: a material's constant and an obstacle's place by a slider,
+//! a cell by a brush.
 
 use std::path::PathBuf;
 
@@ -39,7 +39,7 @@ fn edit(criterion: &mut Criterion) {
                 session.handle(Command::Drag(Edit::Obstacle(ObstacleId(0), Box::new(ground)))).expect("in range");
             });
         });
-        // As a brush touches it, for another cell every time; an inlay of a solid.
+        // A brush touches another cell every time; the body is a solid with an inlay.
         let mut body = session.scene().bodies[0].clone();
         body.material = Material::Solid(Solid::default());
         body.inlays = vec![Inlay { min: [0.0; 3], max: [-1.0; 3], ..Inlay::default() }];

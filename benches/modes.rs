@@ -1,5 +1,5 @@
-//! Time of one step of a body that moves by its modes, which does not depend on the cells, and of putting its particles where
-//! they have it, which does.
+//! Time of one step of a body that moves by its modes, which does not depend on the number of cells, and of placing its
+//! particles, which does.
 
 use std::hint::black_box;
 

@@ -1,5 +1,5 @@
-//! What a picture costs where a processor draws it: processor time of all threads together, which work beside this
-//! does not change, over sizes, qualities and colours; what each part of a picture has of it; what overlays add.
+//! Cost of a picture in software rendering, over sizes, qualities and colours; the cost of each part of a picture; the extra
+//! cost of overlays. Measured as processor time of all threads together, which other work on the machine does not change.
 
 use std::fs;
 use std::hint::black_box;
@@ -19,7 +19,7 @@ const SCENES: [&str; 3] = ["cube-on-plane", "coupler-20", "spot"];
 /// The whole window, and the view between the panels.
 const SIZES: [(&str, [u32; 2]); 2] = [("window", [1280, 800]), ("view", [754, 718])];
 
-/// What is drawn over the picture.
+/// The overlays drawn over the picture.
 const OVERLAYS: [(&str, &[&str]); 5] = [
     ("none", &[]),
     ("structural", &["structural"]),
@@ -34,7 +34,7 @@ struct ProcessorTime {
 }
 
 impl ProcessorTime {
-    /// Since the threads that run now began, ns: the first number of every thread's statistics.
+    /// Processor time since the present threads began, ns: the sum of the first number in every thread's statistics.
     fn nanoseconds() -> u64 {
         let threads = fs::read_dir("/proc/self/task").expect("Linux lists the threads of a process");
         let spent = threads.filter_map(|thread| {
@@ -74,7 +74,7 @@ impl Measurement for ProcessorTime {
     }
 }
 
-/// A renderer and what it draws into.
+/// A renderer and its target.
 struct Film<'a> {
     gpu: &'a Gpu,
     renderer: Renderer,
@@ -108,7 +108,7 @@ impl<'a> Film<'a> {
     }
 }
 
-/// A preset after 0.2 s and more, with values set.
+/// A preset after 0.2 s, with values set.
 fn session(preset: &str, set: &[(&str, &str)]) -> Session {
     let mut scene = presets::preset(preset).map(|preset| (preset.build)()).expect("it is built in");
     for (path, value) in set {
@@ -121,7 +121,7 @@ fn session(preset: &str, set: &[(&str, &str)]) -> Session {
     session
 }
 
-/// As when time runs: the particles have moved.
+/// A picture with new particles, as while time runs.
 fn moved(picture: &DrawList) -> DrawList {
     DrawList { particles: Arc::new(picture.particles.to_vec()), ..picture.clone() }
 }
@@ -144,7 +144,7 @@ fn pictures(criterion: &mut Criterion<ProcessorTime>) {
     group.finish();
 }
 
-/// A picture part by part: the difference of two is what the second adds.
+/// Draws a picture with one part more each time: the difference of two is the cost of the added part.
 fn parts(criterion: &mut Criterion<ProcessorTime>) {
     let Ok(gpu) = Gpu::headless_with(Preference::Software) else { return };
     let mut group = criterion.benchmark_group("parts");

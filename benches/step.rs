@@ -1,5 +1,5 @@
-//! Time of 4 ms of the built-in scenes: with steps divided as they must be, in time and in links a second, and beside
-//! it with the implicit integrator, where that takes over (its throughput means nothing).
+//! Time of 4 ms of the built-in scenes with steps divided as necessary, in time and in links per second; and, for scenes
+//! where the implicit integrator takes over, the time with it (its throughput means nothing).
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use gelatin::scene::Scene;
 use gelatin::scene::presets::preset;
 use gelatin::scene::resolve::resolve;
 
-/// Whole steps of 1 ms: as many as one of the implicit integrator covers.
+/// Whole steps of 1 ms in a timing: the number that one step of the implicit integrator covers.
 const STEPS: usize = 4;
 
-/// Whole steps before: bodies have landed and are at their most lively.
+/// Whole steps before the timing: bodies have landed and move most.
 const BEFORE: usize = 400;
 
 fn step(criterion: &mut Criterion) {

@@ -1,6 +1,6 @@
-//! Wall time of a substep by one thread and by more, in turns in one process: cubes that are free in space, and the largest
-//! preset as it lands. Each figure is the median of the rounds, with the share by which a quarter of them lie below and
-//! above, and the fastest of them: where the spread is large, the machine was busy, and the fastest rounds tell more.
+//! Wall time of a substep on one thread and on more, in turns in one process: free cubes, and the largest preset as it
+//! lands. Each figure is the median of the rounds, with the shares by which the quartiles lie below and above, and the
+//! fastest round. A large spread means that the machine was busy; then the fastest rounds tell more.
 
 use std::io::Write;
 use std::path::Path;
@@ -17,13 +17,13 @@ use gelatin::scene::{Body, Scene, Shape};
 /// How often everything is timed.
 const ROUNDS: usize = 61;
 
-/// Links a timing, at least.
+/// The least number of links in a timing.
 const LINKS: usize = 2_000_000;
 
-/// Whole steps before: the preset has landed.
+/// Whole steps before the timing: the preset has landed.
 const BEFORE: usize = 30;
 
-/// A cube with so many particles along each edge.
+/// A cube with `particles` particles along each edge.
 fn cube(particles: u32) -> Scene {
     let mut body = Body { shape: Shape::Cube(CubeShape { cells: particles - 1, size: 1.0 }), ..Body::default() };
     body.velocity = [0.1, 0.0, 0.0];
@@ -42,7 +42,7 @@ fn landed(scene: &Scene, steps: usize) -> Simulation<f32> {
     simulation
 }
 
-/// Seconds of a substep by so many threads, in every round.
+/// Time of a substep for each number of threads, in every round, s.
 fn times(start: &Simulation<f32>, threads: &[usize]) -> Vec<Vec<f64>> {
     let links: usize = start.model().link_counts().iter().sum();
     let substeps = LINKS.div_ceil(links);
@@ -98,7 +98,7 @@ fn compare(name: &str, start: &Simulation<f32>, out: &mut impl Write) -> std::io
 }
 
 fn main() -> std::io::Result<()> {
-    // Cargo asks benches that are tested for nothing but to build.
+    // When Cargo tests benches, they only have to build.
     if std::env::args().any(|argument| argument == "--test") {
         return Ok(());
     }

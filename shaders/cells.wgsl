@@ -1,10 +1,10 @@
-// Cells as frames a little smaller than they are; those turned inside out are crossed, in another colour.
+// Cells as frames a little smaller than the cells; those turned inside out are crossed, in another colour.
 
 struct CellSet {
     color: vec4f,
     inverted: vec4f,
     width: f32,
-    // The position that is number 0.
+    // The position that index 0 refers to.
     first: u32,
     padding: vec2u,
 }
@@ -12,14 +12,14 @@ struct CellSet {
 @group(1) @binding(0) var<uniform> cells: CellSet;
 @group(1) @binding(1) var<storage, read> positions: array<f32>;
 
-// The ends of a cell's twelve edges and four diagonals; bit 0 of a corner is x, bit 1 y, bit 2 z.
+// The ends of a cell's twelve edges and four diagonals. In a corner's number bit 0 is x, bit 1 y, bit 2 z.
 const ENDS = array<vec2u, 16>(
     vec2u(0u, 1u), vec2u(2u, 3u), vec2u(4u, 5u), vec2u(6u, 7u),
     vec2u(0u, 2u), vec2u(1u, 3u), vec2u(4u, 6u), vec2u(5u, 7u),
     vec2u(0u, 4u), vec2u(1u, 5u), vec2u(2u, 6u), vec2u(3u, 7u),
     vec2u(0u, 7u), vec2u(1u, 6u), vec2u(2u, 5u), vec2u(3u, 4u),
 );
-// How much of a cell its frame spans.
+// The size of a frame as a share of its cell.
 const SPAN = 0.86;
 
 fn particle(number: u32) -> vec3f {
@@ -33,7 +33,7 @@ fn vertex(@builtin(vertex_index) index: u32, @location(0) low: vec4u, @location(
         particle(low.x), particle(low.y), particle(low.z), particle(low.w),
         particle(high.x), particle(high.y), particle(high.z), particle(high.w),
     );
-    // The mean edges along x, y and z, of which the volume has the sign that cells turned inside out are counted by.
+    // The mean edges along x, y and z. The sign of their volume tells whether the cell counts as turned inside out.
     var x = vec3f(0.0);
     var y = vec3f(0.0);
     var z = vec3f(0.0);
@@ -56,12 +56,12 @@ fn vertex(@builtin(vertex_index) index: u32, @location(0) low: vec4u, @location(
     let width = cells.width * select(1.0, 2.2, is_inverted);
     let from_clip = frame.clip_from_world * vec4f(a, 1.0);
     let to_clip = frame.clip_from_world * vec4f(b, 1.0);
-    // Corners 0 1 2 and 2 1 3 of two triangles.
+    // The corners of the two triangles are 0 1 2 and 2 1 3.
     let corner = index % 6u;
     let which = select(corner, 6u - corner, corner > 2u) % 4u;
     var out = stroke(which, from_clip, to_clip, vec2f(width), select(cells.color, cells.inverted, is_inverted));
     if is_inverted {
-        // Over everything.
+        // Inverted cells are drawn over everything.
         out.position.z = 0.5 + 0.5 * out.position.z;
     }
     return out;

@@ -1,5 +1,5 @@
-// A picture enlarged to its place in the window, and the panels over it. Both are in the window's own space of colours,
-// in which panels are blended.
+// A picture enlarged to its place in the window, and the panels over it. Both are in the window's colour space, in which
+// panels are blended.
 
 @group(0) @binding(0) var picture: texture_2d<f32>;
 @group(0) @binding(1) var picture_sampler: sampler;

@@ -1,5 +1,5 @@
-// Contact shadows: how high the lowest surface is over every place, seen from straight below, then softened. A body
-// near a floor darkens a narrow strip of it, a body above it a wide one, faintly: so its height can be told.
+// Contact shadows: the height of the lowest surface over every place, seen from straight below, then softened. A body near a
+// floor darkens a narrow strip of it, a body above it a wide one, faintly, so its height can be seen.
 
 fn seen_from_below(position: vec3f) -> vec4f {
     let place = (position - frame.contact_origin) / vec3f(frame.contact_side, frame.contact_height, frame.contact_side);
@@ -29,14 +29,15 @@ fn everywhere(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
     return vec4f(vec2f(f32((index << 1u) & 2u), f32(index & 2u)) * 2.0 - 1.0, 0.0, 1.0);
 }
 
-// How near the lowest surface over a texel is to the lowest of all: 1 there, less by 1/e for every reach above it.
+// Nearness of the lowest surface over a texel to the bottom of the map: 1 at the bottom, e times smaller for every reach
+// above.
 fn nearness(texel: vec2i, last: i32) -> f32 {
     let height = textureLoad(lowest, clamp(texel, vec2i(0), vec2i(last)), 0);
     return select(exp(-height * frame.contact_height / frame.contact_reach), 0.0, height >= 1.0);
 }
 
-// Softens by averaging `exp(−height ÷ reach)`, over a quarter of the reach (x) and over all of it (y); gives heights
-// again, m. An average of such exponentials is right for a floor at any height below.
+// Softens by averaging `exp(−height ÷ reach)`, over a quarter of the reach (x) and over all of it (y); converts back to
+// heights, m. An average of such exponentials is right for a floor at any height below.
 @fragment
 fn soften(@builtin(position) position: vec4f) -> @location(0) vec2f {
     let size = f32(textureDimensions(lowest).x);

@@ -1,4 +1,4 @@
-// What every drawing pass knows about the frame. Put in front of each of their files.
+// The data of the frame that every drawing pass reads. Put in front of each of their files.
 
 struct Frame {
     clip_from_world: mat4x4f,
@@ -19,7 +19,7 @@ struct Frame {
     grid: vec3f,
     // Distance between the finest lines of the grid, m.
     grid_spacing: f32,
-    // How strong the lines of each level are, the finest first.
+    // Strength of the lines of each level, the finest first.
     grid_strengths: vec3f,
     // Width of the lines, m.
     grid_width: f32,
@@ -40,7 +40,7 @@ struct Frame {
     color_low: f32,
     // Width and height of the picture, pixels.
     viewport: vec2f,
-    // One over the range of colours; 0 shows bodies in their own colours.
+    // One over the range of the colour map; 0 where the range is empty.
     color_scale: f32,
     coloring: u32,
 }

@@ -1,5 +1,5 @@
-// The ground at y = 0 of a scene without a floor: a faint grid that fades out, and the shadows that fall on it. Nothing
-// stands on it, so that it lies behind everything.
+// The ground at y = 0 of a scene without a floor: a faint grid that fades out, and the shadows that fall on it. It lies
+// behind everything, as nothing stands on it.
 
 struct Varying {
     @builtin(position) position: vec4f,
@@ -28,6 +28,6 @@ fn fragment(in: Varying) -> @location(0) vec4f {
     let facing = smoothstep(0.0, 0.15, frame.light_direction.y) * select(0.0, 1.0, frame.eye.y > 0.0);
     let light = light_share(shadow_place(in.world, up)) * open_sky(in.world, up);
     let shadow = (1.0 - light) * frame.shadow_opacity * fade * facing;
-    // Premultiplied: the shadow darkens what is behind, the lines lie on top.
+    // Premultiplied colour: the shadow darkens the picture behind, the lines lie on top.
     return vec4f(frame.grid * lines, 1.0 - (1.0 - lines) * (1.0 - shadow));
 }

@@ -1,14 +1,14 @@
-// What lines of one look share. Put in front of the passes that draw lines between positions on the device.
+// The shared style of a set of lines. Put in front of the passes that draw lines between positions on the device.
 
 struct LineSet {
     color: vec4f,
     // Multiplies the width of every line, pixels.
     width: f32,
-    // What is left behind other things, 0..1.
+    // Opacity of the part behind other things, as a share, 0..1.
     hidden: f32,
     // Numbers from one position to the next.
     stride: u32,
-    // The position that is number 0.
+    // The position that index 0 refers to.
     first: u32,
 }
 

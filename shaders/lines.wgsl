@@ -1,4 +1,4 @@
-// Overlay lines: between points that are given, between pixels, or between positions that lie on the device.
+// Overlay lines: between given points, between pixels, or between positions on the device.
 
 @vertex
 fn carried(@builtin(vertex_index) corner: u32, @location(0) ends: vec2u) -> Stroke {
@@ -21,7 +21,7 @@ fn placed(
     return placed_stroke(corner, first, second, color, widths);
 }
 
-// Pixels from the lower right corner of the picture, at the very front.
+// Clip coordinates of a pixel, counted from the lower right corner of the picture; at the very front.
 fn clip_of_pixel(pixel: vec3f) -> vec4f {
     return vec4f(vec2f(1.0, -1.0) + pixel.xy * lines.width * 2.0 / frame.viewport, 1.0, 1.0);
 }
@@ -39,7 +39,7 @@ fn screen(
 
 @fragment
 fn seen(in: Stroke) -> @location(0) vec4f {
-    // Nothing is discarded: what lies behind a line is then never computed.
+    // No fragment is discarded, so the part behind a line is never computed.
     return stroke_color(in);
 }
 

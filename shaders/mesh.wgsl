@@ -1,6 +1,6 @@
-// Jelly: Phong (ambient, diffuse, specular) with a rim of light, a crisp highlight and light that shines through
-// where the body is thin. With scalars shown the surface takes its colour from the map and shines less; it may also show
-// what its vertices are painted in.
+// Jelly: Phong (ambient, diffuse, specular) with a rim of light, a crisp highlight, and light that shines through thin parts
+// of the body. If scalars are shown, the surface takes its colour from the map and shines less. It may also show the paint
+// of its vertices.
 
 struct Varying {
     @builtin(position) position: vec4f,
@@ -10,7 +10,7 @@ struct Varying {
     @location(3) @interpolate(flat) color: vec3f,
     // The body's largest side, m.
     @location(4) @interpolate(flat) size: f32,
-    // Linear red, green, blue of what is painted, times how much of it is: 0..1.
+    // Linear red, green, blue of the paint, and its opacity, 0..1; premultiplied.
     @location(5) paint: vec4f,
 }
 
@@ -40,7 +40,7 @@ fn fragment(in: Varying, @builtin(front_facing) front: bool) -> @location(0) vec
     return lit(in, front, in.paint);
 }
 
-// What is seen of a point that is painted so.
+// The colour of a point with this paint.
 fn lit(in: Varying, front: bool, paint: vec4f) -> vec4f {
     let to_eye = normalize(frame.eye - in.world);
     var normal = normalize(in.normal);
@@ -61,12 +61,12 @@ fn lit(in: Varying, front: bool, paint: vec4f) -> vec4f {
     let share = light_share(place);
     let facing = dot(normal, frame.light_direction);
     let diffuse = max((facing + 0.25) / 1.25, 0.0) * mix(0.15, 1.0, share);
-    // Light that has come through the body to a point under the skin, less the longer its way (Beer and Lambert): thin
-    // parts and edges towards the light glow, the heart of the body is deeper in colour.
+    // Light that has come through the body to a point under the skin, the weaker the longer its way (Beer and Lambert): thin
+    // parts and edges towards the light glow, the inside of the body has a deeper colour.
     let under = shadow_place(in.world - normal * (0.18 * in.size), vec3f(0.0));
     var through = exp(-4.5 * depth_below_light(under) / in.size);
     if frame.coloring == 1u {
-        // Colours that are to be read must not depend on how deep the body is.
+        // Colours of a scale must not depend on the thickness of the body.
         through = mix(0.5, through, 0.2);
     }
     let halfway = normalize(frame.light_direction + to_eye);

@@ -1,4 +1,4 @@
-// The outline of what is selected: a mask of it, then lines along all its edges wherever the mask is empty.
+// The outline of the selected thing: a mask of it, then lines along its silhouette wherever the mask is empty.
 
 // How much of a pixel the selected thing covers.
 @group(2) @binding(0) var mask: texture_2d<f32>;
@@ -25,8 +25,8 @@ fn mask_fragment() -> @location(0) vec4f {
     return vec4f(1.0);
 }
 
-// Half of an outline lies over what the thing stands on, which is a little nearer there: it counts as hidden only
-// behind what is nearer by more than this.
+// Half of an outline lies over the ground under the thing, which is a little nearer there. So the outline counts as hidden
+// only behind things that are nearer by more than this factor.
 const IN_FRONT = 1.02;
 
 fn pulled(line: Stroke) -> Stroke {

@@ -1,12 +1,12 @@
-// Overlay points: discs of a size in pixels with a dark rim, at places that are given or at particles.
+// Overlay points: discs of a size in pixels with a dark rim, at given places or at particles.
 
 struct PointSet {
     color: vec4f,
     // Diameter, pixels.
     size: f32,
-    // What is left behind other things, 0..1.
+    // Opacity of the part behind other things, as a share, 0..1.
     hidden: f32,
-    // The particle that is number 0.
+    // The particle that index 0 refers to.
     first: u32,
     padding: u32,
 }
@@ -27,7 +27,7 @@ fn disc(corner: u32, middle: vec3f) -> Varying {
     }
     let sides = vec2f(select(-1.0, 1.0, (corner & 1u) != 0u), select(-1.0, 1.0, (corner & 2u) != 0u));
     let place = sides * (0.5 * points.size + 1.0);
-    // A little nearer than they are: points win against the surface they lie on.
+    // Points are drawn a little nearer than they are, so that they win against the surface they lie on.
     let depth = min(clip.z / clip.w * 1.001, 1.0);
     return Varying(vec4f(clip.xy / clip.w + place * 2.0 / frame.viewport, depth, 1.0), place);
 }

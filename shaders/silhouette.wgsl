@@ -1,11 +1,11 @@
-// Finds the edges along which the silhouette of a deformed skin runs: where the triangles at an edge lie on one side of
-// it, as the eye sees them, the surface folds over. One invocation an edge.
+// Finds the silhouette edges of a deformed skin. The surface folds over at an edge if both of its triangles lie on one side
+// of the edge, as the eye sees them. One invocation per edge.
 
-// The far corner of an edge that has no two triangles: it is always taken.
+// Stands for the far corner of an edge without two triangles, which always counts as silhouette.
 const NONE = 0xffffffffu;
 const WORKGROUP = 64u;
 
-// As `draw_indirect` reads them.
+// The arguments of `draw_indirect`.
 struct Draw {
     vertex_count: u32,
     instance_count: atomic<u32>,

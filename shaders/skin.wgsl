@@ -1,4 +1,4 @@
-// Carries a skin along with its particles: one invocation a vertex.
+// Carries a skin along with its particles: one invocation per vertex.
 
 struct SkinVertex {
     particles: array<u32, 8>,
@@ -15,9 +15,9 @@ struct DeformedVertex {
     tint: u32,
 }
 
-// Three numbers a particle.
+// Three numbers per particle.
 @group(0) @binding(0) var<storage, read> particles: array<f32>;
-// One number a particle, or a single one where nothing is shown.
+// One number per particle, or a single one if no scalars are shown.
 @group(0) @binding(1) var<storage, read> scalars: array<f32>;
 @group(0) @binding(2) var<storage, read> skin: array<SkinVertex>;
 @group(0) @binding(3) var<storage, read_write> deformed: array<DeformedVertex>;

@@ -1,4 +1,4 @@
-// Obstacles: matt planes, two-sided, with an edge and lines in metres of their own, and matt closed forms.
+// Obstacles: matt planes, two-sided, with an edge and with lines in their own metres, and matt closed shapes.
 
 struct Plane {
     @builtin(position) position: vec4f,
@@ -7,15 +7,15 @@ struct Plane {
     @location(1) place: vec2f,
     // Half the sides, m.
     @location(2) @interpolate(flat) half_extents: vec2f,
-    // Of the side that is seen.
+    // The normal of the visible side.
     @location(3) @interpolate(flat) normal: vec3f,
     @location(4) @interpolate(flat) color: vec3f,
-    // The light that falls on it where nothing takes any away: the sky's, and the lamp's.
+    // The unshadowed light on it: the sky's, and the lamp's.
     @location(5) @interpolate(flat) sky: f32,
     @location(6) @interpolate(flat) lamp: vec3f,
 }
 
-// A plane has nine parts. −1 and 1 are its edges, −0.5 and 0.5 those of the middle part.
+// Places a corner of a plane's nine parts. −1 and 1 are the edges of the plane, −0.5 and 0.5 those of the middle part.
 fn corner_of_part(position: vec2f, middle: vec4f) -> vec2f {
     return select(select(middle.xy, middle.zw, position > vec2f(0.0)), position, abs(position) > vec2f(0.75));
 }
@@ -77,7 +77,7 @@ fn closed(
     @location(7) color: vec3f,
 ) -> Closed {
     let arm = axis_x * position.x + axis_y * position.y + axis_z * position.z;
-    // Longer axes lean the normal away from themselves.
+    // An unequally scaled shape tilts its normal away from its longer axes.
     let lengths = vec3f(dot(axis_x, axis_x), dot(axis_y, axis_y), dot(axis_z, axis_z));
     let share = own_normal / lengths;
     let normal = axis_x * share.x + axis_y * share.y + axis_z * share.z;
@@ -92,12 +92,12 @@ fn closed_fragment(in: Closed) -> @location(0) vec4f {
     return vec4f(in.color * light * open_sky(in.world, normal), 1.0);
 }
 
-// What a matt surface gets of the sky.
+// The light of the sky on a matt surface.
 fn sky_light(normal: vec3f) -> f32 {
     return frame.ambient * mix(0.55, 1.0, 0.5 + 0.5 * normal.y);
 }
 
-// What a matt surface gets of the lamp.
+// The light of the lamp on a matt surface.
 fn lamp_light(normal: vec3f) -> vec3f {
     return frame.light_color * (0.75 * max(dot(normal, frame.light_direction), 0.0));
 }

@@ -1,5 +1,5 @@
-// Lines of a width in pixels, antialiased by their distance from the middle. Put in front of the passes that draw them.
-// A line is a strip of two triangles over its ends and half its width around them:
+// Lines of a width in pixels, antialiased by the distance from their middle. Put in front of the passes that draw lines. A
+// line is a strip of two triangles over its ends and half its width around them:
 //
 //   ┌─────────────────┐   place.x runs from one end (0) to the other (reach), place.y across, both in pixels
 //   │ ·─────────────· │
@@ -13,14 +13,14 @@ struct Stroke {
     @location(2) @interpolate(flat) color: vec4f,
 }
 
-// Lines win against the surface they lie on: they are drawn this much nearer than they are.
+// Lines are drawn this much nearer than they are, so that they win against the surface they lie on.
 const NEARER = 1.0008;
 
-// The corner 0..3 of a line between two points in clip space: bit 0 says at which end, bit 1 on which side.
+// A corner 0..3 of a line between two points in clip space. Bit 0 chooses the end, bit 1 the side.
 fn stroke(corner: u32, from_clip: vec4f, to_clip: vec4f, widths: vec2f, color: vec4f) -> Stroke {
     var a = from_clip;
     var b = to_clip;
-    // What lies before the near plane is cut off; a line wholly before it becomes nothing.
+    // The part in front of the near plane is cut off; a line wholly in front of it becomes nothing.
     let room = vec2f(a.w - a.z, b.w - b.z);
     if max(room.x, room.y) < 0.0 || !all(abs(a + b) < vec4f(1e30)) {
         return Stroke(vec4f(0.0, 0.0, -1.0, 1.0), vec2f(0.0), vec3f(0.0), vec4f(0.0));
@@ -40,7 +40,7 @@ fn stroke(corner: u32, from_clip: vec4f, to_clip: vec4f, widths: vec2f, color: v
 
     let at_end = (corner & 1u) != 0u;
     let side = select(-1.0, 1.0, (corner & 2u) != 0u);
-    // As far as a pixel's middle may be from a line that still covers some of it.
+    // The distance up to which a line covers part of a pixel, measured to the pixel's middle.
     let border = 0.5 * max(widths.x, widths.y) + 0.5;
     let place = vec2f(select(-border, reach + border, at_end), side * border);
     let pixel = pixel_a + along * place.x + across * place.y;
@@ -48,7 +48,7 @@ fn stroke(corner: u32, from_clip: vec4f, to_clip: vec4f, widths: vec2f, color: v
     return Stroke(vec4f(pixel / half_view, min(depth * NEARER, 1.0), 1.0), place, vec3f(reach, 0.5 * widths), color);
 }
 
-// The colour of a pixel of a line, with how much of the pixel the line covers.
+// The colour of a pixel of a line, weighted by the share of the pixel that the line covers.
 fn stroke_color(in: Stroke) -> vec4f {
     let reach = in.reach.x;
     let share = clamp(in.place.x / max(reach, 1e-4), 0.0, 1.0);

@@ -1,6 +1,6 @@
-// Jelly with a picture on it, by which what its vertices are painted in is multiplied. Put behind `mesh.wgsl`, which lights it.
+// Jelly with a picture on it, which multiplies the paint of its vertices. Put behind `mesh.wgsl`, which lights it.
 
-// Light times opacity.
+// Premultiplied: light times opacity.
 @group(2) @binding(0) var picture: texture_2d<f32>;
 @group(2) @binding(1) var picture_sampler: sampler;
 
@@ -11,7 +11,7 @@ struct TexturedVarying {
     @location(3) @interpolate(flat) color: vec3f,
     @location(4) @interpolate(flat) size: f32,
     @location(5) paint: vec4f,
-    // From the upper left corner of the picture.
+    // Texture coordinates from the upper left corner of the picture.
     @location(6) place: vec2f,
 }
 

@@ -1,5 +1,5 @@
-//! `.ci/setup` on machines that lack something, played by stand-ins for the system's programs: what it installs, what
-//! it says, and that it is silent where nothing is missing.
+//! `.ci/setup` on machines without some programs, simulated by stand-ins: what it installs, what it says, and that it is
+//! silent if nothing is missing.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -42,7 +42,7 @@ impl Machine {
         SYSTEM.into_iter().fold(Self(folder), |machine, (name, body)| machine.with(name, body))
     }
 
-    /// The same with one more program, or another one of that name.
+    /// The machine with one more program, or another one of that name.
     fn with(self, name: &str, body: &str) -> Self {
         let path = self.0.path().join("bin").join(name);
         fs::write(&path, format!("#!/usr/bin/env bash\n{body}\n")).expect("a program");
@@ -55,7 +55,7 @@ impl Machine {
         self
     }
 
-    /// Runs the script: whether it succeeded, and all it said.
+    /// Runs the script. Returns whether it succeeded, and its output.
     fn setup(&self) -> (bool, String) {
         let output = Command::new("/bin/bash")
             .arg(".ci/setup")
@@ -69,7 +69,7 @@ impl Machine {
         (output.status.success(), String::from_utf8_lossy(&said).into_owned())
     }
 
-    /// What apt and rustup were asked for.
+    /// The calls of apt and rustup.
     fn log(&self) -> String {
         fs::read_to_string(self.0.path().join("log")).expect("the log")
     }

@@ -1,5 +1,5 @@
-//! What a compiler does not see: layers go down only, graphics and window crates stay in their places, banned calls,
-//! the shader table, names. Every rule has a test in which it must fail.
+//! Rules that a compiler does not check: layers only use lower ones, graphics and window crates stay in their places, banned
+//! calls, the shader table, names. Every rule has a test in which it must fail.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ const LAYERS: [(&str, &[&str]); 16] = [
         &["math", "disk", "machine", "text", "geometry", "scene", "physics", "modal", "view", "extract", "report"],
     ),
     ("export", &["math", "disk", "text", "geometry", "view"]),
-    // The command line opens the window, and so is the top of the program.
+    // The command line opens the window, so it is the top layer of the program.
     (
         "cli",
         &[
@@ -37,21 +37,21 @@ const LAYERS: [(&str, &[&str]); 16] = [
     ("app", &["math", "disk", "machine", "text", "scene", "view", "extract", "session", "export", "render"]),
 ];
 
-/// Modules that one layer may name in one of its rooms alone.
+/// Modules that a layer may name only in one of its folders, its room.
 const ROOMS: [(&str, &str, &str); 1] = [("src/physics/", "scene", "src/physics/compile/")];
 
-/// Words that may stand only in files below these places, and why not elsewhere.
+/// Words that may appear only in files below these places.
 const PLACES: [(&str, &[&str]); 6] = [
     ("wgpu::", &["src/render/", "src/app/canvas/"]),
     ("egui", &["src/app/"]),
     ("winit::", &["src/app/"]),
     ("Instant::now", &["src/app/", "src/session/", "src/report/", "src/cli/"]),
     ("rayon", &["src/machine/threads.rs", "src/geometry/", "src/report/", "src/session/", "src/cli/", "src/app/"]),
-    // The one place where the command line writes.
+    // This is the only place where the command line writes.
     ("stdout()", &["src/cli/out.rs"]),
 ];
 
-/// Words that may stand nowhere below a place.
+/// Words that may not appear anywhere below a place.
 const BANNED: [(&str, &[&str]); 3] = [
     // Results must not depend on hashing order, fused operations or a machine's own transcendental functions.
     (
@@ -59,7 +59,7 @@ const BANNED: [(&str, &[&str]); 3] = [
         &[
             "HashMap",
             "HashSet",
-            // Who shares out work is `team` alone, by `machine::threads`; no other loop may depend on who does what.
+            // Only `team` shares out work, by `machine::threads`; no other loop may depend on which thread does what.
             "par_iter",
             "thread::",
             "mul_add",
@@ -80,10 +80,10 @@ const BANNED: [(&str, &[&str]); 3] = [
 /// Names that say nothing.
 const EMPTY_NAMES: [&str; 8] = ["data", "manager", "handler", "helper", "helpers", "util", "utils", "common"];
 
-/// More lines than this are hard to hold in the head.
+/// A longer file is hard to remember as a whole.
 const LONGEST_FILE: usize = 500;
 
-/// A walk from one end of the program to the other enters at most so many files.
+/// The most files that a walk from one end of the program to the other may enter.
 const LONGEST_WALK: usize = 20;
 
 /// A source file: its path from the root with forward slashes, and its text.
@@ -106,7 +106,7 @@ impl Source {
     }
 }
 
-/// Modules of the crate that a file names against the layers.
+/// Modules that a file names in violation of the layers.
 fn wrong_layers(source: &Source) -> Vec<String> {
     let Some(inside) = source.path.strip_prefix("src/") else { return Vec::new() };
     let Some((layer, allowed)) = LAYERS.iter().find(|(layer, _)| inside.starts_with(&format!("{layer}/"))) else {
@@ -120,7 +120,7 @@ fn wrong_layers(source: &Source) -> Vec<String> {
         .collect()
 }
 
-/// Modules that a file names outside the room of its layer that may.
+/// Modules that a file names although only a room of its layer may.
 fn wrong_rooms(source: &Source) -> Vec<String> {
     let here = ROOMS.iter().filter(|(layer, _, room)| source.path.starts_with(layer) && !source.path.starts_with(room));
     here.filter(|(_, module, _)| modules_named(source).iter().any(|named| named == module))
@@ -128,7 +128,7 @@ fn wrong_rooms(source: &Source) -> Vec<String> {
         .collect()
 }
 
-/// The crate's own modules that a file names, each as often as it does.
+/// The crate's own modules that a file names, with repetitions.
 fn modules_named(source: &Source) -> Vec<String> {
     let code = source.code();
     let named = code.match_indices("crate::").map(|(at, word)| {
@@ -165,7 +165,7 @@ fn wrong_shape(source: &Source) -> Vec<String> {
     found
 }
 
-/// Shader files that the table does not include, and the other way round.
+/// Shader files missing from the table, and entries of the table without a file.
 fn wrong_shaders(table: &str, files: &[String]) -> Vec<String> {
     let included: Vec<&str> =
         table.match_indices("shaders/").filter_map(|(at, word)| table[at + word.len()..].split('"').next()).collect();
@@ -174,7 +174,7 @@ fn wrong_shaders(table: &str, files: &[String]) -> Vec<String> {
     unused.map(|file| format!("{file} is in no table")).chain(absent.map(|name| format!("{name} is no file"))).collect()
 }
 
-/// What is not so of the walks that a page describes: blocks of lines that each begin with a file and a function in it.
+/// Errors in the walks that a page describes: blocks of lines that each begin with a file and a function in it.
 fn wrong_walks(page: &str, sources: &[Source]) -> Vec<String> {
     let blocks = page.split("//! ```text").skip(1).filter_map(|rest| rest.split("//! ```").next());
     let mut found = Vec::new();

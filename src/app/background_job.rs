@@ -1,5 +1,5 @@
-//! Work that a panel asks for, done on a thread of its own that leaves the processors to the sandbox: after every stretch
-//! of work it rests for twice as long.
+//! Runs long work for a panel on a thread of its own that leaves the processors to the sandbox: after every stretch of work
+//! it rests twice as long.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,13 +10,14 @@ use super::ui::work::{Asked, Wish, Work};
 use crate::session::background::BackgroundError;
 use crate::session::progress::Progress;
 
-/// Work between two rests.
+/// The shortest time of work between two rests.
 const STRETCH: Duration = Duration::from_millis(4);
-/// A rest over the stretch of work before it, and the longest time in which nobody looks whether it is still wanted.
+/// A rest is this many times as long as the stretch of work before it, and is taken in naps no longer than [`NAP`], so that
+/// a cancelled job ends soon.
 const REST: u32 = 2;
 const NAP: Duration = Duration::from_millis(50);
 
-/// The work that goes on, if any.
+/// The work in progress, if any.
 #[derive(Debug)]
 pub(super) struct BackgroundJob<T> {
     running: Option<Running<T>>,
@@ -40,17 +41,17 @@ impl<T> Default for BackgroundJob<T> {
     }
 }
 
-/// Who is told how far work is and asked to let others have the processors.
+/// What a job reports to while it works: its progress, and a pause that leaves the processors to others.
 pub(super) struct Beside<'a> {
-    /// How far it is, and whether it is still wanted.
+    /// Takes the job's progress and says whether the job is still wanted.
     pub(super) progress: &'a Progress,
-    /// Called between two pieces of the work.
+    /// Called by the job between two pieces of work; may rest.
     pub(super) pause: &'a (dyn Fn() + Sync),
 }
 
 impl<T: Send + 'static> BackgroundJob<T> {
-    /// Does what the panel wishes: begins `work`, if there is anything to work on, or stops it. `wake` is called when the
-    /// work ends.
+    /// Fulfils the panel's wish: begins `work`, if there is anything to work on, or stops it. `wake` is called when the work
+    /// ends.
     pub(super) fn grant<W>(
         &mut self,
         asked: &mut Asked<T>,
@@ -60,7 +61,7 @@ impl<T: Send + 'static> BackgroundJob<T> {
         W: FnOnce(Beside<'_>) -> Result<T, BackgroundError> + Send + 'static,
     {
         let Some(wish) = asked.wish.take() else { return };
-        // What went on before is not wanted any more.
+        // Work begun earlier is no longer wanted.
         (self.running, asked.work) = (None, Work::Idle);
         if let Some(work) = (wish == Wish::Begin).then(work).flatten() {
             let running = start(work, wake);
@@ -69,7 +70,7 @@ impl<T: Send + 'static> BackgroundJob<T> {
         }
     }
 
-    /// Tells the panel what has become of the work.
+    /// Tells the panel the outcome of the work, if it has ended.
     pub(super) fn answer(&mut self, asked: &mut Asked<T>) {
         let Some(running) = &self.running else { return };
         asked.work = match running.outcome.try_recv() {
@@ -101,9 +102,9 @@ fn start<T: Send + 'static>(
     Running { progress, outcome }
 }
 
-/// Makes work rest.
+/// Decides when work rests.
 struct Rests {
-    /// The end of the last one.
+    /// The end of the last rest.
     since: Mutex<Instant>,
 }
 
@@ -112,7 +113,7 @@ impl Rests {
         Self { since: Mutex::new(Instant::now()) }
     }
 
-    /// Rests where that is due, and no longer than the work is wanted.
+    /// Rests if a rest is due, but not longer than the work is wanted.
     fn rest(&self, work: &Progress) {
         let mut since = self.since.lock().unwrap_or_else(PoisonError::into_inner);
         let worked = since.elapsed();
@@ -138,7 +139,7 @@ mod tests {
     use crate::scene::{Scene, Shape, presets};
     use crate::session::error_curve::{ErrorCurve, error_curve};
 
-    /// How soon work has to stop that is not wanted any more.
+    /// The longest time that cancelled work may take to stop.
     const SOON: Duration = Duration::from_millis(200);
 
     fn scene(cells: u32) -> Scene {

@@ -1,17 +1,17 @@
-//! Which parts of the panels look different from before: only they are drawn again. Most of the time that is a figure
-//! or a button, a hundredth of the window.
+//! Finds the parts of the panels that look different from before: only they are drawn again. Most of the time that is a
+//! number or a button, a hundredth of the window.
 
 use egui::Rect;
 use egui::epaint::ClippedShape;
 
-/// How far two lists of shapes are searched for the place where they agree again.
+/// How many shapes two lists are searched ahead for the place where they agree again.
 const LOOK_AHEAD: usize = 48;
-/// Parts that are drawn one by one: each walks all shapes.
+/// The most parts that are drawn one by one: each part walks all shapes.
 const MOST_PARTS: usize = 6;
-/// Two parts are drawn as one where that draws no more than so many times what both cover.
+/// Two parts are drawn as one if their common rectangle is no more than this many times their summed area.
 const WASTE: f32 = 1.3;
 
-/// What differs between two pictures of the panels: rectangles of whole pixels that do not overlap, points.
+/// The difference between two pictures of the panels, as rectangles of whole pixels that do not overlap, in points.
 pub(super) fn damage(before: &[ClippedShape], after: &[ClippedShape], pixels_per_point: f32) -> Vec<Rect> {
     let whole = |rect: Rect| {
         let [min, max] = [rect.min * pixels_per_point, rect.max * pixels_per_point];
@@ -33,7 +33,7 @@ pub(super) fn damage(before: &[ClippedShape], after: &[ClippedShape], pixels_per
     }
 }
 
-/// What is drawn again of `shapes` so that `parts` look right: each shape once for each part that it touches.
+/// The `shapes` to draw again so that `parts` look right: each shape once for each part that it touches.
 pub(super) fn within(shapes: &[ClippedShape], parts: &[Rect]) -> Vec<ClippedShape> {
     let touching = |part: &Rect| {
         let part = *part;
@@ -45,10 +45,11 @@ pub(super) fn within(shapes: &[ClippedShape], parts: &[Rect]) -> Vec<ClippedShap
     parts.iter().flat_map(touching).collect()
 }
 
-/// How many shapes of each list to skip until the lists agree again, or end.
+/// The number of shapes of each list to skip until the lists agree again, or end.
 fn next_agreement(before: &[ClippedShape], after: &[ClippedShape]) -> (usize, usize) {
     for skipped in 1..=2 * LOOK_AHEAD {
-        // A shape that changed in place is the commonest: as many skipped here as there come first.
+        // The most common change is that of a shape in its place, so equal numbers of skipped and new shapes are tried
+        // first.
         let mut ways: Vec<usize> = (0..=skipped).collect();
         ways.sort_by_key(|gone| (2 * gone).abs_diff(skipped));
         for gone in ways {
@@ -61,7 +62,7 @@ fn next_agreement(before: &[ClippedShape], after: &[ClippedShape]) -> (usize, us
     (before.len(), after.len())
 }
 
-/// What a shape covers on the screen. Antialiasing reaches half a pixel further.
+/// The rectangle that a shape covers on the screen. Antialiasing reaches half a pixel further.
 fn extent(shape: &ClippedShape) -> Rect {
     let own = shape.shape.visual_bounding_rect().expand(1.0);
     (shape.transform_after_tessellation * own).intersect(shape.clip_rect)
@@ -71,19 +72,19 @@ fn is_something(rect: Rect) -> bool {
     rect.is_positive()
 }
 
-/// Adds a rectangle to those that do not overlap.
+/// Adds a rectangle to a list, so that none of the list overlap.
 fn add(parts: &mut Vec<Rect>, mut rect: Rect) {
     if !is_something(rect) {
         return;
     }
-    // Every round makes one part fewer.
+    // Every round removes one part.
     while let Some(other) = partner(parts, rect) {
         rect = rect.union(parts.swap_remove(other));
     }
     parts.push(rect);
 }
 
-/// The part to draw together with `rect`, if there is one: one that it overlaps or is close to, or any when there are
+/// The part to draw together with `rect`, if there is one: a part that it overlaps or is close to, or any part if there are
 /// too many.
 fn partner(parts: &[Rect], rect: Rect) -> Option<usize> {
     let waste = |part: &Rect| part.union(rect).area() / (part.area() + rect.area());

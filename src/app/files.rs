@@ -1,5 +1,5 @@
-//! The window's side of everything about files: the system's dialogs, the list of recent files, drafts against
-//! crashes, and what the panels wish for. Remembers nothing of the scene itself.
+//! Files from the window's side: the system's dialogs, the list of recent files, drafts against crashes, and the panels'
+//! wishes. Remembers nothing of the scene itself.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,10 +15,10 @@ use crate::scene::Scene;
 use crate::scene::view_settings::CameraSettings;
 use crate::session::Command;
 
-/// An unsaved change is kept this long after it was made.
+/// An unsaved change is kept as a draft after this time.
 const DRAFT_DELAY: Duration = Duration::from_secs(1);
 
-/// What the window keeps about files.
+/// The window's state about files.
 #[derive(Debug)]
 pub(super) struct Files {
     recent: Recent,
@@ -26,25 +26,25 @@ pub(super) struct Files {
     found: Vec<Found>,
     native: Option<NativeDialog>,
     job: Option<JellifyJob>,
-    /// The scene that was last kept as a draft.
+    /// The scene last kept as a draft.
     kept: Option<Arc<Scene>>,
     file: Option<PathBuf>,
-    /// Someone asked to recover the first of what was found, when the scene was the one of this number.
+    /// The scene's generation when recovery of the first found draft was requested.
     recovering: Option<u64>,
     generation: u64,
 }
 
-/// What became of the wishes.
+/// The outcome of the panels' wishes.
 #[derive(Debug, Default)]
 pub(super) struct Granted {
-    /// What the session is to do.
+    /// Commands for the session.
     pub(super) commands: Vec<Command>,
     /// The window is to close.
     pub(super) quit: bool,
 }
 
 impl Files {
-    /// Looks into the state folder and tells the panels what is there.
+    /// Reads the state folder and tells the panels what is there.
     pub(super) fn new(folder: Option<&Path>, ui: &mut FilesState) -> Self {
         let drafts = folder.map(|folder| folder.join("drafts"));
         let found = drafts.as_deref().map(recovery::find).unwrap_or_default();
@@ -86,7 +86,7 @@ impl Files {
                 self.adopt();
                 self.offer(ui);
             } else if status.failed {
-                // It may have failed: it stays on offer.
+                // The recovery may be what failed: the draft stays on offer.
                 self.offer(ui);
             }
         }
@@ -107,7 +107,7 @@ impl Files {
         }
     }
 
-    /// Passes on what a dialog of the system was answered and what became of a model.
+    /// Passes on the answer of a system dialog and the outcome of making a model.
     pub(super) fn answer(&mut self, ui: &mut FilesState) {
         self.look_after_job(ui);
         let Some(native) = &self.native else { return };
@@ -120,14 +120,14 @@ impl Files {
         self.native = None;
     }
 
-    /// The window has lost the keyboard, perhaps to a dialog of the system.
+    /// Notes that the window has lost the keyboard, perhaps to a system dialog.
     pub(super) fn on_keyboard_lost(&mut self) {
         if let Some(native) = &mut self.native {
             native.on_keyboard_lost();
         }
     }
 
-    /// Does what the panels wished for. `wake` is called when what takes long is done.
+    /// Fulfils the panels' wishes. `wake` is called when long work is done.
     pub(super) fn grant(&mut self, ui: &mut FilesState, wake: impl Fn() + Clone + Send + 'static) -> Granted {
         let mut granted = Granted::default();
         for wish in std::mem::take(&mut ui.wishes) {
@@ -175,7 +175,7 @@ impl Files {
         self.job = None;
     }
 
-    /// The window closes; a draft is kept where the program failed before.
+    /// Notes that the window closes. The draft stays if the program has failed.
     pub(super) fn close(&mut self, failed: bool) {
         if let Some(keeper) = self.keeper.take() {
             keeper.close(failed);
@@ -192,7 +192,7 @@ impl Files {
         })
     }
 
-    /// What was found is the scene now.
+    /// Notes that the found draft is now the scene.
     fn adopt(&mut self) {
         if let Some(found) = self.take_found()
             && let Some(keeper) = &self.keeper

@@ -1,23 +1,23 @@
-//! What drawing costs the window: frames a second, time a frame, the share of the processors. Pure: times in, figures out.
+//! What drawing costs the window: frames per second, time per frame, share of the processors. Pure: times in, numbers out.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use super::pace::Drawn;
 
-/// What is shown is the mean of this much time.
+/// The time over which the numbers are averaged.
 const WINDOW: Duration = Duration::from_secs(1);
 
-/// What drawing cost lately.
+/// The recent cost of drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DrawingCost {
-    /// Frames a second.
+    /// Frames per second.
     pub frames_per_sec: f64,
     /// Wall time a frame takes, s.
     pub secs_per_frame: f64,
     /// The share of the processors, 0 to 1.
     pub share: f64,
-    /// Pixels along a side of the moving view, over those of the window.
+    /// Pixels along a side of the moving view, as a fraction of the window's.
     pub scale: f32,
 }
 
@@ -28,7 +28,7 @@ pub struct FrameMeter {
 }
 
 impl FrameMeter {
-    /// A frame was drawn.
+    /// Counts a drawn frame.
     pub fn note(&mut self, frame: Drawn) {
         self.frames.push_back(frame);
         while self.frames.front().is_some_and(|first| frame.end - first.begin > WINDOW) {
@@ -36,7 +36,7 @@ impl FrameMeter {
         }
     }
 
-    /// What frames cost in the last second before `now`.
+    /// The cost of the frames in the last second before `now`.
     pub fn cost(&self, now: Instant, scale: f32) -> DrawingCost {
         let recent = self.frames.iter().filter(|frame| now.saturating_duration_since(frame.begin) <= WINDOW);
         let (mut count, mut wall, mut work) = (0_u32, Duration::ZERO, Duration::ZERO);

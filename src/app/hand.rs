@@ -1,5 +1,5 @@
-//! What the pointer holds in the view: the jelly by a point of its surface, or an obstacle with an inside. Pure: pictures
-//! and rays in, commands out; knows neither a window nor which button was pressed.
+//! What the pointer holds in the view: the jelly at a point of its surface, or an obstacle that is not a plane. Pure:
+//! pictures and rays in, commands out; knows neither a window nor which button was pressed.
 
 use glam::Vec3;
 
@@ -20,7 +20,7 @@ pub enum Target {
     Obstacle(ObstacleId),
 }
 
-/// What lies under a line of sight.
+/// Finds the body or obstacle that a line of sight meets first.
 pub fn target(scene: &Scene, draw_list: &DrawList, ray: &Ray) -> Option<(Target, Hit)> {
     let hit = nearest(draw_list, ray)?;
     // Hidden things are in the scene, not in the picture.
@@ -37,8 +37,8 @@ pub fn target(scene: &Scene, draw_list: &DrawList, ray: &Ray) -> Option<(Target,
     Some((target, hit))
 }
 
-/// Whether the pointer can take hold of a thing by itself: the jelly to pull it, a ball or a box to move it. A plane lies
-/// under everything and would be moved unawares; it is moved by its handles.
+/// Whether the pointer can take hold of a thing directly: the jelly to pull it, an obstacle to move it. A plane lies under
+/// everything and would be moved by accident; it is moved by its handles only.
 pub fn can_be_held(scene: &Scene, target: Target) -> bool {
     match target {
         Target::Body(_) => true,
@@ -48,7 +48,7 @@ pub fn can_be_held(scene: &Scene, target: Target) -> bool {
     }
 }
 
-/// Where something stands in the picture; `None` where it is hidden.
+/// A body or obstacle as the picture names it; `None` if it is hidden.
 pub fn place(scene: &Scene, target: Target) -> Option<Selected> {
     match target {
         Target::Body(id) => {
@@ -62,7 +62,7 @@ pub fn place(scene: &Scene, target: Target) -> Option<Selected> {
     }
 }
 
-/// The box around something in the picture, m; `None` where it is hidden.
+/// The box around a body or obstacle in the picture, m; `None` if it is hidden.
 pub fn bounds(scene: &Scene, draw_list: &DrawList, target: Target) -> Option<Aabb<f32>> {
     match place(scene, target)? {
         Selected::Skin(place) => {
@@ -73,7 +73,7 @@ pub fn bounds(scene: &Scene, draw_list: &DrawList, target: Target) -> Option<Aab
     }
 }
 
-/// The scalar at a point of a skin, in the picture's unit; `None` where no scalar is shown.
+/// The scalar at a point of a skin, in the picture's unit; `None` if no scalar is shown.
 pub fn value_at(draw_list: &DrawList, hit: &Hit) -> Option<f32> {
     let Thing::Skin { weights, .. } = &hit.what else { return None };
     let scalars = draw_list.scalars.as_ref()?;
@@ -86,13 +86,13 @@ pub struct Hand {
     held: Option<Held>,
 }
 
-/// A thing held, and the plane across the line of sight in which it is moved.
+/// A held thing, and the plane across the line of sight in which it is moved.
 #[derive(Clone, Debug)]
 struct Held {
     what: Grip,
     point: Vec3,
     normal: Vec3,
-    /// Where the pointer wants the point now, m.
+    /// Where the pointer wants the held point to be, m.
     to: Vec3,
 }
 
@@ -103,7 +103,7 @@ enum Grip {
 }
 
 impl Hand {
-    /// Takes hold of what lies under a line of sight. `forward` is the direction the camera looks in.
+    /// Takes hold of the thing under a line of sight. `forward` is the direction in which the camera looks.
     pub fn take(&mut self, scene: &Scene, draw_list: &DrawList, ray: &Ray, forward: Vec3) -> Option<Target> {
         let (target, hit) = target(scene, draw_list, ray)?;
         let what = match (target, hit.what) {
@@ -124,7 +124,7 @@ impl Hand {
         self.held.is_some()
     }
 
-    /// The point of the jelly that is pulled and where to, m; `None` where no jelly is held.
+    /// The point of the jelly that is pulled, and its target, m; `None` if no jelly is held.
     pub fn pulled(&self, draw_list: &DrawList) -> Option<[Vec3; 2]> {
         let held = self.held.as_ref()?;
         let Grip::Jelly { weights, .. } = &held.what else { return None };
@@ -133,7 +133,7 @@ impl Hand {
         Some([terms.sum::<Option<Vec3>>()?, held.to])
     }
 
-    /// The pointer has moved to another line of sight.
+    /// Moves the held thing to another line of sight.
     pub fn drag(&mut self, scene: &Scene, ray: &Ray) -> Option<Command> {
         let held = self.held.as_mut()?;
         let to = ray.at(ray.hit_plane(held.point, held.normal)?);
@@ -152,7 +152,7 @@ impl Hand {
         }
     }
 
-    /// Lets go: what has to be told, if anything was held.
+    /// Lets go. Returns the command for the session, if anything was held.
     pub fn release(&mut self) -> Option<Command> {
         self.held.take().map(|held| match held.what {
             Grip::Jelly { .. } => Command::Grab(None),

@@ -1,4 +1,4 @@
-//! The handles of the obstacle that is chosen: which one the pointer is on, and what dragging it does to the obstacle.
+//! The handles of the chosen obstacle: which one is under the pointer, and what a drag does to the obstacle.
 //! Pure: knows neither a window nor which button was pressed.
 
 use glam::{DMat3, DVec3, Vec2};
@@ -12,7 +12,7 @@ use crate::view::gizmo::{Drag, Gizmo, Handle};
 use crate::view::style::OverlayColors;
 use crate::view::{Camera, Overlay};
 
-/// How the view is seen: the camera, the view's size and the pointer from its upper left corner, both in points.
+/// How the view is seen: the camera, the view's size in points, and the pointer from its upper left corner in points.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight {
     /// The camera.
@@ -23,37 +23,37 @@ pub struct Sight {
     pub pointer: Vec2,
 }
 
-/// What is chosen of a scene, and when: an obstacle with a motion of its own is elsewhere later.
+/// The chosen thing of a scene, at a time: an obstacle with a motion of its own moves on.
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// What of it.
+    /// The chosen body or obstacle, if any.
     pub target: Option<Target>,
-    /// After so much simulated time, s.
+    /// The simulated time, s.
     pub secs: f64,
 }
 
 impl<'a> Chosen<'a> {
-    /// What is chosen of a scene as it is now.
+    /// The chosen thing of a scene as it is now.
     pub fn of(scene: &'a Scene, target: Option<Target>, status: &Status) -> Self {
         Self { scene, target, secs: status.time_secs }
     }
 }
 
-/// The handles of the obstacle that is chosen.
+/// The handles of the chosen obstacle.
 #[derive(Clone, Debug, Default)]
 pub struct Handles {
     hot: Option<Handle>,
     held: Option<Held>,
 }
 
-/// A handle that is dragged, and how everything was when that began.
+/// A handle that is dragged, and the state at the beginning of the drag.
 #[derive(Clone, Debug)]
 struct Held {
     id: ObstacleId,
     start: Obstacle,
-    /// How far its motion had turned it.
+    /// The rotation that the obstacle's own motion had given it.
     turned: DMat3,
     gizmo: Gizmo,
     handle: Handle,
@@ -61,7 +61,7 @@ struct Held {
 }
 
 impl Handles {
-    /// The pointer has moved. Says whether another handle than before stands out.
+    /// Notes that the pointer has moved. Returns whether another handle than before is highlighted.
     pub fn hover(&mut self, chosen: Chosen<'_>, sight: &Sight) -> bool {
         if self.held.is_some() {
             return false;
@@ -70,7 +70,7 @@ impl Handles {
         std::mem::replace(&mut self.hot, hot) != hot
     }
 
-    /// Takes hold of the handle under the pointer; says whether there is one.
+    /// Takes hold of the handle under the pointer. Returns whether there is one.
     pub fn take(&mut self, chosen: Chosen<'_>, sight: &Sight) -> bool {
         self.held = handle_at(chosen, sight).map(|(id, gizmo, handle)| {
             let start = chosen.scene.obstacles[id.0].clone();
@@ -86,7 +86,7 @@ impl Handles {
         self.held.is_some()
     }
 
-    /// The pointer has dragged the handle to another place, points from the view's upper left corner.
+    /// Drags the held handle to another place, points from the view's upper left corner.
     pub fn drag(&self, to: Vec2) -> Option<Command> {
         let Held { id, start, turned, gizmo, handle, from } = self.held.as_ref()?;
         let drag = gizmo.drag(&from.camera, from.size, *handle, from.pointer, to)?;
@@ -94,17 +94,17 @@ impl Handles {
         Some(Command::Drag(Edit::Obstacle(*id, Box::new(obstacle))))
     }
 
-    /// Lets go: what has to be told, if a handle was held.
+    /// Lets go. Returns the command for the session, if a handle was held.
     pub fn release(&mut self) -> Option<Command> {
         self.held.take().map(|_| Command::EndEdit)
     }
 
-    /// Lets go and puts the obstacle back: what has to be told, if a handle was held.
+    /// Lets go and puts the obstacle back. Returns the command for the session, if a handle was held.
     pub fn cancel(&mut self) -> Option<Command> {
         self.held.take().map(|_| Command::CancelEdit)
     }
 
-    /// Draws the handles of what is chosen.
+    /// Draws the handles of the chosen obstacle.
     pub fn add_to(&self, tools: &mut Overlay, chosen: Chosen<'_>, sight: &Sight, colors: &OverlayColors) {
         if let Some((_, gizmo)) = gizmo_of(chosen) {
             gizmo.add_to(tools, &sight.camera, sight.size, self.hot, colors);
@@ -131,7 +131,7 @@ fn gizmo_of(chosen: Chosen<'_>) -> Option<(ObstacleId, Gizmo)> {
     Some((id, Gizmo::new(center, obstacle.shape.rotation_deg().is_some())))
 }
 
-/// The place of an obstacle whose drawn place, `turned` by its motion, was dragged.
+/// The shape of an obstacle after a drag of its drawn place, which its own motion has `turned`.
 fn dragged(mut shape: ObstacleShape, turned: &DMat3, drag: Drag) -> ObstacleShape {
     match drag {
         Drag::Move(way) => {
@@ -164,7 +164,7 @@ mod tests {
         (preset("cube-on-plane").expect("a preset").build)()
     }
 
-    /// What is chosen of a scene at its start.
+    /// The chosen thing of a scene at its start.
     fn of(scene: &Scene, target: Option<Target>) -> Chosen<'_> {
         Chosen { scene, target, secs: 0.0 }
     }
@@ -176,7 +176,7 @@ mod tests {
         Sight { camera, size: SIZE, pointer }
     }
 
-    /// The first pixel along a way across the view with a handle of this kind.
+    /// The first pixel on a line across the view with a handle of the wanted kind.
     fn find(chosen: Option<Target>, wanted: impl Fn(Handle) -> bool) -> Sight {
         let pixels = (0..600).flat_map(|y| (0..800).step_by(3).map(move |x| Vec2::new(x as f32, y as f32)));
         let mut sights = pixels.map(sight);
@@ -258,7 +258,7 @@ mod tests {
             gizmo.center
         };
         assert!((center(1.0) - center(0.0)).distance(Vec3::X * 2.0) < 1e-6, "at the end of its swing");
-        // Half a turn about y has swapped x and z ends: a turn about the x that is seen is one about its own −x.
+        // Half a turn about y has reversed x and z: a turn about the visible x is a turn about the obstacle's own −x.
         let half = DMat3::from_rotation_y(std::f64::consts::PI);
         let cuboid = ObstacleShape::Box(Cuboid::default());
         let turned = dragged(cuboid, &half, Drag::Turn { axis: Vec3::X, angle_rad: 0.5 });

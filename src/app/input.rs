@@ -1,7 +1,7 @@
-//! What a pointer and a keyboard mean: window events in, camera moves and commands out. Pure, so that every habit of
-//! the hand is a test; knows nothing of panels, surfaces or threads.
+//! The meaning of pointer and keyboard: window events in, camera moves and commands out. Pure, so that every gesture has a
+//! test; knows nothing of panels, surfaces or threads.
 //!
-//! The habits are Blender's, with a second scheme for hands without a middle button:
+//! The gestures are Blender's, with a second scheme for pointers without a middle button:
 //!
 //! ```text
 //! orbit   middle drag            left drag     two-finger scroll
@@ -9,7 +9,7 @@
 //! zoom    wheel, to the pointer  pinch         ctrl + middle drag, ctrl + scroll
 //! choose  left click
 //! hold    left drag on something that can be held
-//! brush   left press or drag on what it is for, with control the other way round
+//! brush   left press or drag on what it paints, inverted with control
 //! ```
 
 mod action;
@@ -26,13 +26,13 @@ use event::Modifiers;
 pub use event::{Button, Event, Key, Keyboard, Situation};
 pub use from_winit::from_winit;
 
-/// Turn of the eye for a pixel of dragging (at scale 1), radians.
+/// The turn of the eye per point of dragging, radians.
 const ORBIT_RAD_PER_POINT: f32 = 0.007;
-/// What one notch of the wheel does to the distance.
+/// The factor on the distance for one notch of the wheel.
 const ZOOM_PER_NOTCH: f32 = 0.86;
-/// What a point of scrolling or dragging does to the logarithm of the distance.
+/// The change of the logarithm of the distance per point of scrolling or dragging.
 const ZOOM_PER_POINT: f32 = 0.005;
-/// A press that moves less than this (points) before it ends is a click.
+/// A press is a click if it moves by less than this, points.
 const CLICK_RADIUS: f32 = 4.0;
 
 /// The view's rectangle in the window, pixels.
@@ -69,7 +69,7 @@ pub fn move_camera(orbit: &mut Orbit, camera_move: CameraMove, view: ViewRect) {
     }
 }
 
-/// What the hand is doing: the pointer, what is held and what is being dragged.
+/// The state of the hand: the pointer, the modifier keys and the drag.
 #[derive(Debug, Default)]
 pub struct Input {
     pointer: Vec2,
@@ -91,13 +91,13 @@ enum CameraDrag {
     Zoom { at: Vec2 },
 }
 
-/// A button that is down since it was pressed in the view.
+/// A button pressed in the view and still down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Press {
     button: Button,
     drag: Drag,
     from: Vec2,
-    /// It has moved too far for a click.
+    /// Whether the pointer has moved too far for a click.
     moved: bool,
 }
 
@@ -107,12 +107,12 @@ impl Input {
         self.pointer
     }
 
-    /// Whether a drag that began in the view goes on.
+    /// Whether a drag that began in the view is in progress.
     pub fn dragging(&self) -> bool {
         self.press.is_some()
     }
 
-    /// What an event asks for, if anything.
+    /// The action that an event asks for, if any.
     pub fn on_event(&mut self, event: Event, situation: Situation) -> Option<Action> {
         if situation.dialog_open {
             return self.behind_dialog(event);
@@ -171,13 +171,13 @@ impl Input {
         }
     }
 
-    /// An event while a dialog or a menu is open: nothing behind it hears of it, and what was held is let go.
+    /// Handles an event while a dialog or a menu is open: nothing behind it receives the event, and a held thing is let go.
     fn behind_dialog(&mut self, event: Event) -> Option<Action> {
         match event {
             Event::PointerMoved(pixel) => self.pointer = pixel,
             Event::Modifiers { shift, control, other } => self.held = Modifiers { shift, control, other },
             Event::FocusLost => self.held = Modifiers::default(),
-            // The dialog fills the screen along with the window.
+            // The key for full screen works for the dialog too.
             Event::Key { key: Key::F11, repeat: false } => return Some(Action::ToggleFullScreen),
             _ => (),
         }

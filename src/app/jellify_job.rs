@@ -1,4 +1,4 @@
-//! A model made into a body on a thread of its own, so that the window and the sandbox go on. Dropping a job stops it.
+//! Makes a model into a body on a thread of its own, while window and sandbox keep running. Dropping a job stops it.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -7,23 +7,23 @@ use super::sentence::sentence;
 use crate::session::jellify::{Jellified, JellifyError, Wanted, jellify};
 use crate::session::progress::Progress;
 
-/// Work that goes on.
+/// Work in progress.
 #[derive(Debug)]
 pub(super) struct JellifyJob {
     progress: Arc<Progress>,
     outcome: Receiver<Result<Jellified, JellifyError>>,
 }
 
-/// What became of the work.
+/// The outcome of the work.
 #[derive(Debug)]
 pub(super) enum Outcome {
-    /// It goes on.
+    /// It is not finished.
     Waiting,
     /// The body is ready.
     Ready(Box<Jellified>),
-    /// Nobody wants it any more.
+    /// It was stopped.
     Cancelled,
-    /// It cannot be made; why, as a sentence.
+    /// The body cannot be made; the reason as a sentence.
     Failed(String),
 }
 
@@ -34,7 +34,7 @@ impl Drop for JellifyJob {
 }
 
 impl JellifyJob {
-    /// Begins. `wake` is called when it ends.
+    /// Begins the work. `wake` is called when it ends.
     pub(super) fn start(wanted: Wanted, wake: impl FnOnce() + Send + 'static) -> Self {
         let (send, outcome) = channel();
         let progress = Arc::new(Progress::default());
@@ -53,7 +53,7 @@ impl JellifyJob {
         Arc::clone(&self.progress)
     }
 
-    /// What has become of the work.
+    /// The outcome of the work so far.
     pub(super) fn outcome(&self) -> Outcome {
         match self.outcome.try_recv() {
             Ok(Ok(body)) => Outcome::Ready(Box::new(body)),

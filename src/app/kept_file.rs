@@ -1,5 +1,5 @@
-//! A small file in the state folder: what outlives a window but is no document. One that cannot be read or written is a
-//! line in the log and nothing more.
+//! A small file in the state folder, for data that outlive a window but are no document. If it cannot be read or written,
+//! the log has a line, and nothing else happens.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -11,24 +11,24 @@ use serde::de::DeserializeOwned;
 use super::sentence::sentence;
 use crate::disk::{self, ReadError};
 
-/// A larger file is none of ours.
+/// A larger file was not written by this program.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// A file and what it holds.
+/// A file, with a name for its contents.
 #[derive(Debug)]
 pub(super) struct KeptFile {
     path: Option<PathBuf>,
-    /// As a line of the log says it.
+    /// The name of its contents in lines of the log.
     what: &'static str,
 }
 
 impl KeptFile {
-    /// A file in the state folder; without a folder nothing is kept.
+    /// A file in the state folder. Without a folder, nothing is kept.
     pub(super) fn new(folder: Option<&Path>, name: &str, what: &'static str) -> Self {
         Self { path: folder.map(|folder| folder.join(name)), what }
     }
 
-    /// What the file says; the default where there is none or it is damaged.
+    /// The contents of the file; the default if there is no file or it is damaged.
     pub(super) fn read<T: DeserializeOwned + Default>(&self) -> T {
         let Some(path) = &self.path else { return T::default() };
         let bytes = match disk::read(path, MAX_BYTES) {
@@ -58,12 +58,12 @@ impl KeptFile {
     }
 }
 
-/// The folder for what can be worked out anew.
+/// The folder for data that can be computed again.
 pub fn cache_folder() -> Option<PathBuf> {
     ProjectDirs::from("", "", "gelatin").map(|folders| folders.cache_dir().to_owned())
 }
 
-/// The folder for what outlives a window but is no document.
+/// The folder for data that outlive a window but are no document.
 pub(super) fn state_folder() -> Option<PathBuf> {
     let folders = ProjectDirs::from("", "", "gelatin");
     if folders.is_none() {

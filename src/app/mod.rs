@@ -1,5 +1,5 @@
-//! The window: an event loop around a running sandbox. The sandbox lives on a [`worker`] thread; the window draws the
-//! newest snapshot and sends commands, and never sees the physics.
+//! The window: an event loop around a running sandbox. The sandbox lives on a [`worker`] thread. The window draws the newest
+//! snapshot, sends commands, and never sees the physics.
 //!
 //! ```text
 //! winit event ─ input ──┐                              ┌─ worker thread ─┐
@@ -7,7 +7,7 @@
 //! surface ◄─ canvas ◄─ shell ◄─ newest Snapshot ◄ slot ┴─────────────────┘
 //! ```
 //!
-//! Everything is event-driven: without a new snapshot, an event or an animation nothing is drawn.
+//! Everything is event-driven: nothing is drawn without a new snapshot, an event or an animation.
 
 pub mod canvas;
 pub mod frame_meter;
@@ -48,7 +48,7 @@ use self::wake::Wake;
 use self::worker::Worker;
 use crate::session::document::Opened;
 
-/// Why there is no window, or none any more.
+/// Why there is no window, or no longer one.
 #[derive(Debug, Error)]
 pub enum AppError {
     /// There is no display.
@@ -77,7 +77,7 @@ pub fn run(opened: Opened) -> Result<(), AppError> {
     app.error.map_or(Ok(()), |error| Err(error.into()))
 }
 
-/// What the system said, without the place in winit's source where it was heard.
+/// The system's message, without the place in winit's source that reports it.
 fn cause(error: &EventLoopError) -> String {
     let words = error.to_string();
     match words.strip_prefix("os error at ").and_then(|placed| placed.split_once(": ")) {
@@ -94,7 +94,7 @@ struct App {
 }
 
 impl App {
-    /// Runs `what` on the open window; an error closes it.
+    /// Calls `what` on the open window. An error closes it.
     fn with_shell(&mut self, event_loop: &ActiveEventLoop, what: impl FnOnce(&mut Shell) -> Result<(), ShellError>) {
         let outcome = self.shell.as_mut().map_or(Ok(()), what);
         self.end_on_error(event_loop, outcome);
@@ -113,7 +113,7 @@ impl ApplicationHandler<Wake> for App {
         let Some(worker) = self.start.take() else { return };
         let opened = Shell::open(event_loop, self.proxy.clone(), worker);
         let outcome = opened.and_then(|mut shell| {
-            // The worker may have spoken before there was a window to wake.
+            // The worker may have sent its wake-up before there was a window.
             let outcome = shell.on_wake(Wake::Worker);
             self.shell = Some(shell);
             outcome

@@ -1,5 +1,5 @@
-//! The system's own dialogs to choose a file in, on a thread of their own: the window goes on while one is open. Where
-//! the system has none, the answer is that nothing was chosen, and the path field beside the button still works.
+//! The system's own dialogs to choose a file, each on a thread of its own: the window keeps running while one is open. If
+//! the system has none, the answer is [`Answer::NoDialog`], and the path field beside the button still works.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -8,35 +8,35 @@ use std::time::{Duration, Instant};
 use super::ui::files::PathUse;
 use crate::scene::body::{MODEL_ENDINGS, MODEL_FORMATS};
 
-/// Where the window kept the keyboard and nothing was chosen within this time, there was no dialog: one would have taken
-/// the keyboard, and a person takes longer over one that does not.
+/// If nothing was chosen within this time and the window kept the keyboard, there was no dialog. A dialog would have taken
+/// the keyboard, and with one that does not, a person takes longer.
 const TOO_FAST: Duration = Duration::from_secs(5);
 
-/// A dialog that is open.
+/// An open dialog.
 #[derive(Debug)]
 pub(super) struct NativeDialog {
     purpose: PathUse,
     answer: Receiver<Option<PathBuf>>,
     opened: Instant,
-    /// Something has taken the keyboard from the window since.
+    /// Whether the window has lost the keyboard since.
     seen: bool,
 }
 
-/// What a dialog was answered.
+/// The answer of a dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Answer {
     /// It is still open.
     Waiting,
     /// A path was chosen.
     Chosen(PathBuf),
-    /// It was put away.
+    /// It was closed without a choice.
     Nothing,
-    /// It was never there.
+    /// There was no dialog.
     NoDialog,
 }
 
 impl NativeDialog {
-    /// Opens a dialog that starts in a folder. `wake` is called when it is answered.
+    /// Opens a dialog that starts in a folder. `wake` is called when it closes.
     pub(super) fn open(purpose: PathUse, folder: &Path, wake: impl FnOnce() + Send + 'static) -> Self {
         let (send, answer) = channel();
         let folder = folder.to_owned();
@@ -72,7 +72,7 @@ impl NativeDialog {
         self.purpose
     }
 
-    /// The window has lost the keyboard: the dialog is there.
+    /// Notes that the window has lost the keyboard: the dialog is there.
     pub(super) fn on_keyboard_lost(&mut self) {
         self.seen = true;
     }

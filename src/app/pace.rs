@@ -1,10 +1,10 @@
 //! How often the window draws and how finely, so that drawing leaves the simulation its share of the machine. Pure:
 //! times in, times out; knows neither a window nor a device.
 //!
-//! Only a software driver needs it: there a frame is work for the same processors that simulate. Its cost is the time
-//! it would take all of them; it is followed by a rest, so that frames take no more than a share of the processors:
-//! `LEAST_SHARE` while the simulation is behind, more as long as it keeps up. Where that makes pictures rarer than
-//! `SMOOTH`, the view is drawn with fewer pixels first.
+//! Only a software driver needs it: there, frames are work for the same processors that simulate. The cost of a frame is the
+//! time that it would take all of them. A rest follows each frame, so that frames take no more than a share of the
+//! processors: `LEAST_SHARE` while the simulation is behind, more while it keeps up. If that makes pictures rarer than
+//! `SMOOTH`, the view is first drawn with fewer pixels.
 
 use std::time::{Duration, Instant};
 
@@ -12,23 +12,23 @@ use crate::math::FRAME;
 
 /// The shortest time between the beginnings of two frames.
 const SHORTEST: Duration = FRAME;
-/// Pictures this far apart still look like a motion. What is slower is drawn with fewer pixels.
+/// Pictures this far apart still look like a motion. A slower view is drawn with fewer pixels.
 const SMOOTH: Duration = Duration::from_millis(40);
 /// The longest rest, whatever a frame costs.
 const LONGEST: Duration = Duration::from_millis(250);
-/// Input is answered within 50 ms: it waits no longer than this for its frame.
+/// Input waits no longer than this for its frame, so that it is answered within 50 ms.
 const ANSWER: Duration = Duration::from_millis(25);
 /// The share of the processors that drawing takes while the simulation is behind, and the most it takes otherwise.
 const LEAST_SHARE: f64 = 0.4;
 const MOST_SHARE: f64 = 0.9;
-/// What a frame during which the simulation was behind does to the share, and one during which it kept up.
+/// The factor on the share for a frame while the simulation is behind, and the increase for a frame while it keeps up.
 const BACK_OFF: f64 = 0.8;
 const RECOVER: f64 = 0.02;
-/// Pixels along a side of the moving view, over those of the window.
+/// Pixels along a side of the moving view, as a fraction of the window's.
 const SCALES: [f32; 5] = [1.0, 0.85, 0.7, 0.6, 0.5];
-/// Frames in a row that must ask for another scale: a single slow frame changes nothing.
+/// The number of frames in a row that must ask for another scale: a single slow frame changes nothing.
 const PATIENCE: u32 = 6;
-/// A finer scale is taken when it promises to stay below this share of [`SMOOTH`].
+/// A finer scale is chosen if its expected cost is below this fraction of [`SMOOTH`].
 const MARGIN: f64 = 0.8;
 /// The weight of the last frame in the mean cost.
 const WEIGHT: f64 = 0.2;
@@ -42,14 +42,14 @@ pub enum Reason {
     Input,
 }
 
-/// What a frame took.
+/// The time and work of a drawn frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn {
     /// When it was begun.
     pub begin: Instant,
     /// When it was on the screen.
     pub end: Instant,
-    /// Its work, as time of all processors: no more than from begin to end.
+    /// The work, as time of all processors: no longer than from begin to end.
     pub work: Duration,
 }
 
@@ -62,7 +62,7 @@ pub struct Pace {
     cost_secs: f64,
     last: Option<Drawn>,
     scale: usize,
-    /// Frames in a row that asked for fewer (negative) or more pixels.
+    /// The number of frames in a row that asked for fewer (negative) or more pixels.
     asked: i32,
 }
 
@@ -79,23 +79,23 @@ impl Pace {
         begin + if reason == Reason::Input { rest.min(ANSWER).max(end - begin) } else { rest }
     }
 
-    /// The time between two pictures of the moving view: nobody needs them more often.
+    /// The time between two pictures of the moving view; more snapshots are not needed.
     pub fn interval(&self) -> Duration {
         self.rest(Duration::from_secs_f64(self.cost_secs))
     }
 
-    /// Pixels along a side of the moving view, over those of the window: 0.5 to 1.
+    /// Pixels along a side of the moving view, as a fraction of the window's: 0.5 to 1.
     pub fn scale(&self) -> f32 {
         SCALES[self.scale]
     }
 
-    /// The most of the processors that drawing takes.
+    /// The largest share of the processors that drawing takes.
     pub fn share(&self) -> f64 {
         self.share
     }
 
-    /// A frame was drawn; `behind` says whether the simulation lags behind the speed asked for. `moving` is a picture of
-    /// the moving view, whose cost decides on its pixels.
+    /// Notes a drawn frame. `behind` says whether the simulation lags behind the requested speed; `moving`, whether it is a
+    /// picture of the moving view, whose cost decides on its number of pixels.
     pub fn drawn(&mut self, frame: Drawn, moving: bool, behind: bool) {
         self.last = Some(frame);
         if !self.software || !moving {
@@ -121,7 +121,7 @@ impl Pace {
         if self.asked.unsigned_abs() >= PATIENCE {
             let old = SCALES[self.scale];
             self.scale = if self.asked < 0 { self.scale + 1 } else { self.scale - 1 };
-            // What is known of the cost is that of the old scale: the pixels' part of it is the larger one.
+            // The known cost is that of the old scale; most of it is proportional to the number of pixels.
             self.cost_secs *= f64::from(SCALES[self.scale] / old).powi(2);
             self.asked = 0;
         }
@@ -147,7 +147,8 @@ mod tests {
             Self { pace: Pace::new(software), now: Instant::now() }
         }
 
-        /// Draws frames whose cost (s) is `cost(scale)`; gives the share of the time they took and the time between two.
+        /// Draws frames of cost `cost(scale)`, s. Returns the share of the time that they took and the time between two of
+        /// them.
         fn draw(&mut self, frames: u32, behind: bool, cost: impl Fn(f32) -> f64) -> (f64, Duration) {
             self.now = self.now.max(self.pace.due(Reason::Motion, self.now));
             let (start, mut drawn) = (self.now, Duration::ZERO);

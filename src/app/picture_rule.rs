@@ -1,29 +1,28 @@
 //! Whether a frame draws the picture of the view, and how finely. Pure: times in, a decision out.
 //!
-//! A graphics card draws what looks different, finely. Where a processor draws, a fine picture takes so long that
-//! whoever moves the pointer meanwhile waits for it. So what moves is drawn quickly; it is drawn finely once nothing has
-//! moved and nobody has touched anything for a while, and what only creeps is drawn finely, but seldom.
+//! A graphics card draws every visible change finely. On a processor, a fine picture takes so long that a person who moves
+//! the pointer meanwhile waits for it. So a moving view is drawn quickly, and finely once nothing has moved and nobody has
+//! touched anything for a while. A creeping view is drawn finely, but seldom.
 
 use std::time::{Duration, Instant};
 
 use crate::view::Change;
 
-/// A view in which nothing has moved for so long is drawn once more, finely.
+/// A view is drawn once more, finely, when nothing has moved in it for this time.
 const SETTLED: Duration = Duration::from_millis(300);
-/// So long after the last move of a person's hand nothing is drawn finely: that would keep the next one waiting.
+/// Nothing is drawn finely for this time after the last move of a person's hand: that would delay the next one.
 const IN_USE: Duration = Duration::from_millis(700);
-/// What moves by less than so many pixels a second creeps.
+/// A view creeps if nothing in it moves by more than this many pixels per second.
 const CREEP: f32 = 2.0;
-/// What creeps is drawn so often.
+/// The time between two pictures of a creeping view.
 const CREEPING: Duration = Duration::from_secs(1);
 
-/// What is known of a picture when it is decided whether to draw it.
+/// The facts about a picture that decide whether it is drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight {
-    /// How it differs from the one on the screen.
+    /// How it differs from the picture on the screen.
     pub change: Change,
-    /// Whether things move by themselves or the eye does: what a person has just changed in a scene that stands still
-    /// is no motion.
+    /// Whether things or the eye move by themselves. A change that a person makes to a scene at rest is no motion.
     pub in_motion: bool,
     /// Whether a person drags something in the view.
     pub dragging: bool,
@@ -34,7 +33,7 @@ pub struct Sight {
 /// What to do with a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
-    /// Leave the one that is on the screen, and look again then, if at all.
+    /// Leave the picture on the screen, and decide again at this time, if any.
     Keep(Option<Instant>),
     /// Draw it finely.
     Fine,
@@ -42,11 +41,11 @@ pub enum Decision {
     Quick,
 }
 
-/// What the decision remembers.
+/// The memory of the rule.
 #[derive(Clone, Debug)]
 pub struct PictureRule {
     software: bool,
-    /// Since when the picture on the screen is there.
+    /// When the picture on the screen was drawn.
     drawn: Instant,
     /// When something was last seen to move, and when a person last moved the pointer or pressed something.
     moved: Option<Instant>,
@@ -59,17 +58,17 @@ impl PictureRule {
         Self { software, drawn: now, moved: None, touched: None }
     }
 
-    /// A person moved the pointer or pressed something.
+    /// Notes that a person moved the pointer or pressed something.
     pub fn note_touch(&mut self, now: Instant) {
         self.touched = Some(now);
     }
 
-    /// A picture has come onto the screen.
+    /// Notes that a picture has come onto the screen.
     pub fn note_drawn(&mut self, now: Instant) {
         self.drawn = now;
     }
 
-    /// What to do with the picture as it is now.
+    /// Decides about the present picture.
     pub fn decide(&mut self, sight: &Sight, now: Instant) -> Decision {
         let Sight { change, in_motion, dragging, fine } = *sight;
         let age = now.saturating_duration_since(self.drawn).min(CREEPING);
@@ -102,7 +101,7 @@ impl PictureRule {
         (!fine && !dragging).then(|| at.max(now))
     }
 
-    /// When a fine picture keeps nobody waiting; `None` where nothing has ever moved.
+    /// When a fine picture would keep nobody waiting; `None` if nothing has ever moved or been touched.
     fn settles(&self) -> Option<Instant> {
         self.moved.map(|at| at + SETTLED).max(self.touched.map(|at| at + IN_USE))
     }
@@ -119,7 +118,7 @@ mod tests {
         Duration::from_millis(ms)
     }
 
-    /// A rule whose first picture is on the screen, and the time of that.
+    /// A rule whose first picture is on the screen, and the time when it was drawn.
     fn rule(software: bool) -> (PictureRule, Instant) {
         let now = Instant::now();
         (PictureRule::new(software, now), now)

@@ -1,5 +1,5 @@
-//! What a person has arranged and finds again at the next start: colours, panels, the size of text, folders. Kept in the
-//! state folder as soon as it changes.
+//! The settings that a person finds again at the next start: colours, panels, the size of text, folders. Kept in the state
+//! folder as soon as they change.
 
 use std::path::{Path, PathBuf};
 
@@ -9,10 +9,10 @@ use super::kept_file::KeptFile;
 use super::theme::Theme;
 use super::ui::{Panels, Widths};
 
-/// How much larger or smaller than usual text may be.
+/// The smallest and largest magnification of text.
 const ZOOM: [f32; 2] = [0.5, 3.0];
 
-/// What is found again.
+/// The settings found again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
@@ -22,7 +22,7 @@ pub struct Preferences {
     pub panels: Panels,
     /// How wide the panels beside the view are.
     pub widths: Widths,
-    /// How much larger than usual everything is written.
+    /// The magnification of everything.
     pub zoom: f32,
     /// Where scenes and models were last looked for.
     pub folders: Folders,
@@ -50,7 +50,7 @@ impl Default for Preferences {
     }
 }
 
-/// The preferences and the file they are kept in.
+/// The preferences and their file.
 #[derive(Debug)]
 pub(super) struct PreferencesFile {
     file: KeptFile,
@@ -58,7 +58,7 @@ pub(super) struct PreferencesFile {
 }
 
 impl PreferencesFile {
-    /// Reads the file in a state folder; without one, or from a damaged file, everything is as usual.
+    /// Reads the file in a state folder. Without a folder or with a damaged file, the defaults hold.
     pub(super) fn open(folder: Option<&Path>) -> Self {
         let file = KeptFile::new(folder, "preferences.json", "the preferences");
         let mut kept: Preferences = file.read();
@@ -67,12 +67,12 @@ impl PreferencesFile {
         Self { file, kept }
     }
 
-    /// What was arranged last.
+    /// The last preferences kept.
     pub(super) fn preferences(&self) -> &Preferences {
         &self.kept
     }
 
-    /// Writes what has changed, if anything has.
+    /// Writes the preferences if they have changed.
     pub(super) fn keep(&mut self, now: Preferences) {
         if now != self.kept {
             self.kept = now;

@@ -1,5 +1,4 @@
-//! What the window itself takes of the processors, beside the simulation: processor time is what drawing takes from it,
-//! whatever the clock on the wall says.
+//! The window's own use of the processors, beside the simulation. It is measured as processor time, not as wall time.
 
 use std::time::Duration;
 
@@ -9,7 +8,7 @@ use cpu_time::ProcessTime;
 #[derive(Debug)]
 pub(super) struct Processors {
     count: u32,
-    /// What the window had taken at the last look.
+    /// The processor time that the window had used at the last call.
     taken: Duration,
 }
 
@@ -20,8 +19,8 @@ impl Processors {
         Self { count, taken: ProcessTime::now().as_duration() }
     }
 
-    /// What the window took since the last look, as time of all processors at once; the simulation has taken
-    /// `simulation` of processor time so far.
+    /// Returns the time that the window has used since the last call, as time of all processors at once. `simulation` is the
+    /// processor time that the simulation has used so far.
     pub(super) fn taken(&mut self, simulation: Duration) -> Duration {
         let taken = ProcessTime::now().as_duration().saturating_sub(simulation);
         let since = taken.saturating_sub(self.taken);
@@ -49,7 +48,7 @@ mod tests {
         work(Duration::from_millis(60));
         let simulation = Duration::from_millis(40);
         let mine = processors.taken(simulation) * processors.count;
-        // Other tests of this process work beside this one: there is no upper bound to see.
+        // Other tests of this process run beside this one, so there is no upper bound to check.
         assert!(mine >= Duration::from_millis(19), "{mine:?} of 60 ms, 40 of them the simulation's");
     }
 }

@@ -1,30 +1,30 @@
-//! The scene files opened or saved lately, kept in the state folder.
+//! The scene files opened or saved recently, kept in the state folder.
 
 use std::path::{Path, PathBuf};
 
 use super::kept_file::KeptFile;
 
-/// Files remembered.
+/// The number of files remembered.
 const KEPT: usize = 10;
 
-/// The list and where it is kept.
+/// The list, kept in a file.
 #[derive(Debug)]
 pub(super) struct Recent {
     file: KeptFile,
 }
 
 impl Recent {
-    /// The list in a state folder; without one nothing is remembered.
+    /// The list in a state folder; without one, nothing is remembered.
     pub(super) fn new(folder: Option<&Path>) -> Self {
         Self { file: KeptFile::new(folder, "recent.json", "the list of recent files") }
     }
 
-    /// The files, the last one first.
+    /// The files, the most recent first.
     pub(super) fn paths(&self) -> Vec<PathBuf> {
         self.file.read()
     }
 
-    /// Puts a file in front. What other windows have added since is kept.
+    /// Puts a file first. Files that other windows have added since are kept.
     pub(super) fn add(&self, path: &Path) -> Vec<PathBuf> {
         let mut paths = self.paths();
         paths.retain(|known| known != path);

@@ -1,12 +1,12 @@
-//! Drafts: unsaved scenes kept in the state folder so that a crash loses a few seconds at most. A draft is a scene file
-//! with one more line, written by a thread of its own and removed when the scene is saved or the window is closed.
+//! Drafts: unsaved scenes kept in the state folder, so that a crash loses a few seconds at most. A draft is a scene file
+//! with one more line. A thread writes it, and removes it when the scene is saved or the window is closed.
 //!
 //! ```text
 //! drafts/PID.lock   held by its program as long as that lives: the system lets go of it after any crash
 //! drafts/PID.ron    the unsaved scene, if there is one
 //! ```
 //!
-//! A draft whose lock can be taken belongs to nobody any more: it is offered, once, to the program that took it.
+//! If the lock of a draft can be taken, its program is dead. The draft is then offered, once, to the program with the lock.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
@@ -26,29 +26,29 @@ use crate::scene::Scene;
 use crate::scene::view_settings::CameraSettings;
 use crate::session::document::anchored;
 
-/// What the line before the scene starts with.
+/// The beginning of the line before the scene.
 const MARK: &str = "// draft ";
 /// A larger file is no draft.
 const MAX_BYTES: u64 = 128 << 20;
-/// Names tried before drafts are given up: other programs of this number may live behind other walls.
+/// Names tried before drafts are given up: programs in other containers may have the same process number.
 const NAMES: u32 = 100;
 
-/// A scene that is in no file yet.
+/// An unsaved scene.
 #[derive(Clone, Debug)]
 pub struct Draft {
     /// The scene.
     pub scene: Arc<Scene>,
-    /// Where the camera stands.
+    /// The camera's place.
     pub camera: CameraSettings,
     /// Where relative model paths start.
     pub base_dir: PathBuf,
-    /// What the scene is called.
+    /// The scene's name.
     pub title: String,
-    /// The file that it belongs to, if it has one.
+    /// The file of the scene, if it has one.
     pub file: Option<PathBuf>,
 }
 
-/// What stands in the line before the scene.
+/// The contents of the line before the scene.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 struct Header {
     title: String,
@@ -56,14 +56,14 @@ struct Header {
     unix_secs: i64,
 }
 
-/// A draft that a program left behind when it died. Nobody else is offered it as long as this lives.
+/// A draft that a dead program has left behind. It is offered to nobody else while this value lives.
 #[derive(Debug)]
 pub struct Found {
     /// The scene; its model paths are absolute.
     pub scene: Scene,
-    /// What it was called.
+    /// The scene's name.
     pub title: String,
-    /// The file that it belongs to, if it has one.
+    /// The file of the scene, if it has one.
     pub file: Option<PathBuf>,
     /// When it was kept, seconds since 1970.
     pub unix_secs: i64,
@@ -72,7 +72,7 @@ pub struct Found {
 }
 
 impl Found {
-    /// When the draft was kept, as a person says it: with the day unless it was today.
+    /// When the draft was kept, in a person's words: with the day unless it was today.
     pub fn when(&self) -> String {
         when(self.unix_secs, &Zoned::now())
     }
@@ -84,7 +84,7 @@ impl Found {
     }
 }
 
-/// Drafts of dead programs in a folder, the newest first. What cannot be read is a line in the log.
+/// Finds the drafts of dead programs in a folder, the newest first. An unreadable draft is a line in the log.
 pub fn find(folder: &Path) -> Vec<Found> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let paths = entries.filter_map(Result::ok).map(|entry| entry.path());
@@ -109,7 +109,7 @@ enum Order {
 }
 
 impl Keeper {
-    /// A keeper in a folder, which is made if need be. A draft is written `delay` after the first change it holds.
+    /// Starts a keeper in a folder, which is created if need be. A draft is written `delay` after the first change in it.
     pub fn start(folder: &Path, delay: Duration) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         let (lock, draft) = own_name(folder)?;
@@ -123,22 +123,22 @@ impl Keeper {
         Ok(Self { orders: Some(orders), thread: Some(thread) })
     }
 
-    /// The scene has unsaved changes and is now this.
+    /// Notes that the scene has unsaved changes, and what it is now.
     pub fn keep(&self, draft: Draft) {
         self.order(Order::Keep(draft));
     }
 
-    /// The scene has no unsaved changes any more.
+    /// Notes that the scene has no unsaved changes any more.
     pub fn forget(&self) {
         self.order(Order::Forget);
     }
 
-    /// What was found is the scene now: its draft goes as soon as there is one of this program.
+    /// Notes that a found draft is now the scene. The draft is removed as soon as this program has one of its own.
     pub fn adopt(&self, found: Found) {
         self.order(Order::Adopt(Box::new(found)));
     }
 
-    /// The window is closed, and nothing needs to be kept unless the program failed. Returns when all is done.
+    /// Closes the keeper. Its draft is removed unless the program failed. Returns when all is done.
     pub fn close(mut self, failed: bool) {
         if !failed {
             self.order(Order::Forget);
@@ -156,7 +156,7 @@ impl Keeper {
     }
 }
 
-/// Follows orders until there are no more to come.
+/// Obeys orders until the sender is gone.
 fn keep(orders: &Receiver<Order>, file: &Path, delay: Duration) {
     let mut waiting: Option<(Draft, Instant)> = None;
     let mut adopted: Option<Box<Found>> = None;
@@ -193,7 +193,7 @@ fn keep(orders: &Receiver<Order>, file: &Path, delay: Duration) {
     }
 }
 
-/// Writes a draft, if there is one. Whether it is on the disk.
+/// Writes a draft, if there is one. Returns whether it is on the disk.
 fn write_logged(waiting: Option<(Draft, Instant)>, file: &Path) -> bool {
     let Some((draft, _)) = waiting else { return false };
     match write(&draft, file) {
@@ -211,7 +211,7 @@ fn write(draft: &Draft, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
     scene.view.camera = draft.camera;
     let header = Header {
         title: draft.title.clone(),
-        // A name that is no text cannot be written: the scene is then recovered without it.
+        // A name that is not valid Unicode cannot be written: the scene is then recovered without it.
         file: draft.file.clone().filter(|file| file.to_str().is_some()),
         unix_secs: i64::try_from(now.as_secs())?,
     };
@@ -219,10 +219,10 @@ fn write(draft: &Draft, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
     Ok(disk::write(file, text.as_bytes())?)
 }
 
-/// Takes a draft whose program is dead.
+/// Takes a draft if its program is dead.
 fn claim(draft: PathBuf) -> Option<Found> {
     let locked = draft.with_extension("lock");
-    // To open a pipe is to wait for its other end.
+    // Opening a pipe would wait for its other end.
     if !draft.is_file() || (locked.exists() && !locked.is_file()) {
         log::warn!("{}: is no draft, or its lock is no file", draft.display());
         return None;
@@ -255,7 +255,7 @@ fn read(draft: &Path) -> Result<(Header, Scene), Box<dyn std::error::Error>> {
     Ok((header, Scene::from_ron(&text, "draft")?))
 }
 
-/// A name that no living or dead program has left something under, and its lock.
+/// Finds a name under which no living or dead program has left a draft, and takes its lock.
 fn own_name(folder: &Path) -> io::Result<(File, PathBuf)> {
     let pid = std::process::id();
     for attempt in 0..NAMES {

@@ -1,4 +1,4 @@
-//! Drafts without a window: kept, found, claimed once, gone when they should be.
+//! Drafts without a window: kept, found, claimed once, removed in time.
 
 use super::*;
 use crate::scene::presets;
@@ -28,7 +28,7 @@ fn drafts_in(folder: &Path) -> usize {
     entries.filter(|entry| entry.path().extension().is_some_and(|ending| ending == "ron")).count()
 }
 
-/// A draft as a program leaves it that was killed.
+/// Leaves a draft behind as a killed program does.
 fn leave_behind(folder: &Path, pid: u32, title: &str) {
     fs::write(folder.join(format!("{pid}.lock")), "").expect("a file");
     write(&draft(title), &folder.join(format!("{pid}.ron"))).expect("a draft");

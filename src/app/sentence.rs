@@ -1,4 +1,4 @@
-//! What an error says to a person.
+//! The text of an error for a person.
 
 /// An error and its causes as one sentence.
 pub(super) fn sentence(error: &dyn std::error::Error) -> String {

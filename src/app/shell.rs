@@ -1,5 +1,4 @@
-//! The open window: what it remembers and what it does with an event. Holds the pieces together; what the pieces do
-//! stands in their own modules.
+//! The open window: its state and its answers to events. Holds the parts together; their work is in their own modules.
 
 mod camera;
 mod draw;
@@ -53,7 +52,7 @@ const MIN_SIZE: LogicalSize<f64> = LogicalSize::new(760.0, 420.0);
 /// Why the window cannot go on.
 #[derive(Debug, Error)]
 pub enum ShellError {
-    /// The system gives no window.
+    /// The system provides no window.
     #[error("the window could not be opened")]
     Window(#[from] OsError),
     /// Nothing can be drawn in it.
@@ -80,16 +79,16 @@ pub(super) struct Shell {
     preferences: PreferencesFile,
     snapshot: Option<Snapshot>,
     orbit: Orbit,
-    /// What the eye moves with, and where the middle of it was, m.
+    /// The thing that the eye follows, and the last place of its middle, m.
     followed: Option<(Target, Vec3)>,
     input: Input,
-    /// How many commands were answered in the picture that the brush touched last.
+    /// The number of commands answered in the picture that the brush last touched.
     brushed_at: Option<u64>,
     hand: Hand,
     handles: Handles,
     ui: UiState,
     failure: String,
-    /// The view's picture differs from the one on the screen.
+    /// Whether the view's picture differs from the one on the screen.
     changed: bool,
     visible: bool,
     drawing: Drawing,
@@ -156,7 +155,7 @@ impl Shell {
         if matches!(event, WindowEvent::RedrawRequested) {
             return self.draw(event_loop);
         }
-        // What moves by itself is no answer to a person.
+        // A change by motion is not the answer to this event.
         let moved = std::mem::take(&mut self.changed);
         match event {
             WindowEvent::CloseRequested => self.on_close_requested(event_loop),
@@ -224,7 +223,7 @@ impl Shell {
                 self.ui.on_new_scene();
                 self.ui.frame = Some(Framing::Opened);
             }
-            // The lens is a value of the scene; where the eye is, is the window's own.
+            // The field of view belongs to the scene; the place of the eye belongs to the window.
             self.orbit.fov_rad = extract::view::orbit(&snapshot.scene.view.camera).fov_rad;
             let named = |status: &Status| (status.title.clone(), status.unsaved);
             if old.is_none_or(|old| named(&old.status) != named(&snapshot.status)) {
@@ -295,7 +294,7 @@ impl Shell {
     /// Closes the window, or asks first.
     fn on_close_requested(&mut self, event_loop: &ActiveEventLoop) {
         if self.snapshot.is_none() || !self.failure.is_empty() {
-            // There is nothing to save with; what was not saved is kept as a draft.
+            // Nothing can be saved any more; unsaved changes are kept as a draft.
             self.close(event_loop);
         } else {
             self.act(Action::Files(FileAction::Quit));
@@ -346,7 +345,7 @@ impl Shell {
         event_loop.exit();
     }
 
-    /// A device that is lost is opened anew, once: if that fails too, the error stands.
+    /// Opens a lost graphics device anew, once: if that fails too, the error stands.
     fn recover(&mut self, event_loop: &ActiveEventLoop, error: CanvasError) -> Result<(), ShellError> {
         log::error!("{}: opening the graphics device anew", sentence(&error));
         if matches!(error, CanvasError::Render(_) | CanvasError::Surface { .. }) {
@@ -354,7 +353,7 @@ impl Shell {
         }
         self.canvas = Canvas::new(event_loop, Arc::clone(&self.window))?;
         self.ui.files.inset_drawn(None);
-        // The panels' textures went with the device: a new context sends them again.
+        // The textures of the panels are lost with the device: a new context sends them again.
         let (context, egui) = interface(event_loop, &self.window, &self.canvas, self.proxy.clone());
         context.set_zoom_factor(self.context.zoom_factor());
         (self.context, self.egui, self.changed) = (context, egui, true);

@@ -1,5 +1,5 @@
-//! How the interface looks: a neutral dark theme and a light one with one accent, a real interface font, and figures
-//! that stand still while they change. Knows nothing of what the panels say.
+//! The look of the interface: a neutral dark theme and a light one with one accent, a real interface font, and numbers that
+//! do not jitter while they change. Knows nothing of the contents of panels.
 
 use std::sync::Arc;
 
@@ -15,10 +15,10 @@ use crate::view::Style;
 /// The body size of text, points.
 pub const TEXT_SIZE: f32 = 13.5;
 
-/// The room for a scroll bar beside what scrolls, so that the bar lies over nothing, points.
+/// The room for a scroll bar beside scrolled contents, so that the bar covers nothing, points.
 pub const SCROLL_BAR: f32 = 10.0;
 
-/// The width of the edge by which a panel is made wider, points.
+/// The width of the edge by which a panel is resized, points.
 pub const GRIP: f32 = 6.0;
 
 /// A side of the window.
@@ -26,11 +26,11 @@ pub const GRIP: f32 = 6.0;
 pub enum Side {
     /// Left of the view.
     Left,
-    /// Right of it.
+    /// Right of the view.
     Right,
 }
 
-/// Which colours the interface and the view have.
+/// The colours of the interface and the view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Theme {
@@ -54,23 +54,23 @@ impl Theme {
 /// The colours of the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Palette {
-    /// What a person is to look at: what is chosen, what runs.
+    /// What a person is to look at: selected or running things.
     pub accent: Color32,
-    /// All is well; told from `warning` by lightness too, not by hue alone.
+    /// All is well. Differs from `warning` in lightness too, not in hue alone.
     pub good: Color32,
     /// Something deserves a look.
     pub warning: Color32,
     /// Something went wrong.
     pub error: Color32,
-    /// Numbers and what is chosen.
+    /// Numbers and selected things.
     pub strong: Color32,
     /// Plain text.
     pub text: Color32,
-    /// Names of numbers, units, what stands beside.
+    /// Names of numbers, units, remarks.
     pub weak: Color32,
     /// Panels and bars.
     pub panel: Color32,
-    /// What floats over the view.
+    /// Cards over the view.
     pub float: Color32,
     /// Fields to type in.
     pub field: Color32,
@@ -80,7 +80,7 @@ pub struct Palette {
     pub rail: Color32,
     /// Buttons: at rest, under the pointer, pressed.
     pub widget: [Color32; 3],
-    /// How dark the shadow of what floats is, 0 to 255.
+    /// How dark the shadow of a card is, 0 to 255.
     pub shadow: u8,
 }
 
@@ -118,7 +118,7 @@ const LIGHT: Palette = Palette {
     shadow: 45,
 };
 
-/// Gives a context this look, in both themes.
+/// Gives a context both themes.
 pub fn apply(context: &Context) {
     context.set_fonts(fonts());
     context.set_theme(egui_theme(Theme::default()));
@@ -142,11 +142,11 @@ pub fn apply(context: &Context) {
             style.spacing.item_spacing = vec2(8.0, 6.0);
             style.spacing.button_padding = vec2(9.0, 4.0);
             style.spacing.interact_size = vec2(40.0, 26.0);
-            // Of all lists that this program has, the longest fits in.
+            // High enough for the longest list of this program.
             style.spacing.combo_height = 420.0;
             style.spacing.menu_margin = Margin::same(6);
             style.spacing.window_margin = Margin::same(14);
-            // Lists that open are as high as they need and the window allows: the usual 400 points hide their ends.
+            // An open list is as high as it needs and the window allows: the default of 400 points hides the ends of lists.
             style.spacing.default_area_size = vec2(600.0, 4000.0);
             style.interaction.selectable_labels = false;
             style.interaction.tooltip_delay = 0.4;
@@ -154,7 +154,7 @@ pub fn apply(context: &Context) {
     }
 }
 
-/// Turns a root panel, and all that is drawn after it, to one of the themes.
+/// Switches a root panel, and everything drawn after it, to one of the themes.
 pub fn choose(ui: &mut Ui, theme: Theme) {
     let theme = egui_theme(theme);
     if ui.ctx().theme() != theme {
@@ -163,12 +163,12 @@ pub fn choose(ui: &mut Ui, theme: Theme) {
     }
 }
 
-/// The colours of the theme that a panel is drawn in.
+/// The colours of the theme in which a panel is drawn.
 pub fn of(ui: &Ui) -> &'static Palette {
     if ui.visuals().dark_mode { &DARK } else { &LIGHT }
 }
 
-/// The frame of what floats over the view.
+/// The frame of a card over the view.
 pub fn float_frame(ui: &Ui) -> egui::Frame {
     let palette = of(ui);
     egui::Frame::new()
@@ -183,8 +183,8 @@ pub fn bar_frame(ui: &Ui) -> egui::Frame {
     egui::Frame::new().fill(of(ui).panel).inner_margin(Margin::symmetric(12, 7))
 }
 
-/// The frame of a panel at a side of the window. What scrolls in it leaves [`SCROLL_BAR`] free on the right, and on the
-/// side of the view there is room for the [`GRIP`].
+/// The frame of a panel at a side of the window. Scrolled contents leave [`SCROLL_BAR`] free on the right; on the side of
+/// the view there is room for the [`GRIP`].
 pub fn side_frame(ui: &Ui, side: Side) -> egui::Frame {
     let right = match side {
         Side::Left => 6,
@@ -193,8 +193,8 @@ pub fn side_frame(ui: &Ui, side: Side) -> egui::Frame {
     bar_frame(ui).inner_margin(Margin { left: 12, right, top: 7, bottom: 7 })
 }
 
-/// A number in figures of equal width, so that nothing jitters while it changes. `widest` is a text that is as wide
-/// as the number will get: the space is kept for it, and the number stands at its right end.
+/// A number in digits of equal width, so that nothing jitters while it changes. `widest` is a text as wide as the number
+/// will get: its width is reserved, and the number stands at the right end.
 pub fn figures_ui(ui: &mut Ui, text: &str, widest: &str, color: Color32) -> Response {
     let font = TextStyle::Body.resolve(ui.style());
     let cell = ('0'..='9').map(|digit| glyph_width(ui, &font, digit)).fold(0.0, f32::max);

@@ -1,15 +1,15 @@
-//! What wakes the event loop from another thread.
+//! The events that other threads send to the event loop.
 
 use egui_winit::accesskit_winit;
 
 /// A wake-up from another thread.
 #[derive(Debug)]
 pub(crate) enum Wake {
-    /// The worker has something to take.
+    /// The worker has something to take, or has begun long work.
     Worker,
-    /// A dialog of the system was answered, or a model is ready.
+    /// A system dialog was answered, or background work has ended.
     Dialog,
-    /// Somebody looks at the window through its accessibility tree.
+    /// A request from the accessibility tree.
     Accessibility(accesskit_winit::Event),
 }
 

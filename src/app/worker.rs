@@ -1,6 +1,6 @@
 //! The sandbox on a thread of its own: commands go in through a channel, the newest snapshot comes out through a slot
-//! (`publish`). The window never waits for a step, however expensive; a sandbox that is paused or at rest, and that
-//! nobody touches, publishes nothing. Knows nothing of windows: whoever starts a worker says how it is to be woken.
+//! (`publish`). The window never waits for a step, however expensive. A sandbox that is paused or at rest publishes nothing
+//! until a command arrives. Knows nothing of windows: whoever starts a worker passes the function that wakes the receiver.
 
 mod awaited;
 mod publish;
@@ -24,19 +24,19 @@ use crate::session::progress::Progress;
 use crate::session::threads::within_pool;
 use crate::session::{Command, Session, SessionError};
 
-/// What a worker runs: a [`Session`], or something simpler in a test.
+/// The contents of a worker: a [`Session`], or something simpler in a test.
 pub trait Sandbox: Observed {
-    /// Does what a person asked for. Where that opens a scene or makes bodies and takes long, it tells how far it is, and gives
-    /// up when nobody waits any more.
+    /// Carries out a command. If that opens a scene or makes bodies and takes long, it reports its progress, and gives up
+    /// when the result is no longer wanted.
     fn handle(&mut self, command: Command, progress: &Arc<Progress>) -> Result<(), SessionError>;
     /// Lets `wall` time pass and returns after about `budget`.
     fn advance(&mut self, wall: Duration, budget: Duration);
-    /// Whether there is something to do though nobody asks: time runs, or what helps is looked for.
+    /// Whether there is work without a command: time runs, cures are looked for, or a mode swings.
     fn is_at_work(&self) -> bool;
-    /// A new scene is there; `stop` is set when a long step is to be given up, `hold` is held while someone else needs the
+    /// Prepares a new scene. `stop` is set when a long step is to be given up; `hold` is held while someone else needs the
     /// processors.
     fn begin(&mut self, _stop: &Arc<AtomicBool>, _hold: &Arc<Hold>) {}
-    /// What share of the processors drawing takes, 0 to 1.
+    /// Notes the share of the processors that drawing takes, 0 to 1.
     fn note_drawing(&mut self, share: f64);
 }
 
@@ -70,7 +70,7 @@ impl Sandbox for Session {
     }
 }
 
-/// A sandbox on its own thread. Dropping it lets the thread end soon: a long step is given up.
+/// A sandbox on its own thread. Dropping it ends the thread soon: a long step is given up.
 #[derive(Debug)]
 pub struct Worker {
     orders: Sender<Order>,
@@ -94,7 +94,7 @@ enum Order {
 }
 
 impl Order {
-    /// Whether it leaves nothing of an order just before it.
+    /// Whether it makes the order just before it superfluous.
     fn supersedes(&self, before: &Self) -> bool {
         match (self, before) {
             (Self::Do(Command::Edit(edit)), Self::Do(Command::Edit(before)))
@@ -113,7 +113,7 @@ impl Worker {
         Self::spawn(move |watch| Session::open(opened, watch), wake)
     }
 
-    /// Runs what `make` makes on a new thread; it is told whether anyone still wants it.
+    /// Runs the sandbox that `make` makes on a new thread. The progress tells `make` whether the sandbox is still wanted.
     pub fn spawn<S: Sandbox>(
         make: impl FnOnce(&Progress) -> Result<S, SessionError> + Send + 'static,
         wake: impl Fn() + Send + 'static,
@@ -149,10 +149,10 @@ impl Worker {
         Self { orders, stop, hold, slot, opening, making }
     }
 
-    /// Asks for something. A worker that has ended ignores it.
+    /// Sends a command. A worker that has ended ignores it.
     pub fn send(&self, command: Command) {
         self.order(if command.replaces_scene() {
-            // What was to be opened or is being made is no longer wanted.
+            // The last command to open a scene, and bodies being made, are no longer wanted.
             self.opening.cancel();
             self.making.cancel();
             Order::Open(command, self.opening.begin())
@@ -161,53 +161,53 @@ impl Worker {
         });
     }
 
-    /// How far a scene is that takes long to open.
+    /// The progress of opening a scene, if that takes long.
     pub fn opening(&self) -> Option<Arc<Progress>> {
         self.opening.told()
     }
 
-    /// How far bodies are that take long to make.
+    /// The progress of making bodies, if that takes long.
     pub fn making(&self) -> Option<Arc<Progress>> {
         self.making.told()
     }
 
-    /// When one of these two will be told of, if it takes so long.
+    /// When one of these two will count as long, if it has not ended by then.
     pub fn told_at(&self) -> Option<Instant> {
         [&self.opening, &self.making].into_iter().filter_map(|awaited| awaited.told_at()).min()
     }
 
-    /// Says whether anyone can see the picture: an unseen sandbox keeps its time and publishes nothing.
+    /// Sets whether the picture is visible: an unseen sandbox keeps its time and publishes nothing.
     pub fn set_visible(&self, visible: bool) {
         self.order(Order::Visible(visible));
     }
 
-    /// Leaves the processors to a frame that a person waits for, until [`Worker::let_go`]: the worker takes no step
-    /// meanwhile.
+    /// Leaves the processors to a frame that a person waits for: the worker takes no step until [`Worker::let_go`].
     pub fn hold(&self) {
         self.hold.hold();
     }
 
-    /// The worker goes on.
+    /// Lets the worker take steps again.
     pub fn let_go(&self) {
         self.hold.let_go();
     }
 
-    /// Processor time that the thread and those that take steps with it have taken, up to its last few steps.
+    /// The processor time that the thread and its helpers in steps have used, up to the last few steps.
     pub fn spent(&self) -> Duration {
         self.slot.spent()
     }
 
-    /// Says how often the window draws and what share of the processors that takes: nobody needs more snapshots than that.
+    /// Sets how often the window draws, which is as often as it needs snapshots, and the share of the processors that this
+    /// takes.
     pub fn set_drawing(&self, interval: Duration, share: f64) {
         self.order(Order::Drawing { interval, share });
     }
 
-    /// The newest snapshot, if there is one that was not taken yet.
+    /// Takes the newest snapshot, unless it was taken before.
     pub fn take(&self) -> Option<Snapshot> {
         self.slot.take()
     }
 
-    /// Why the worker stopped by itself, once.
+    /// Takes the reason why the worker stopped by itself. Returned once.
     pub fn take_ended(&self) -> Option<Ended> {
         self.slot.take_ended()
     }
@@ -243,7 +243,7 @@ struct Loop<'a, S, W> {
     opening: &'a Awaited,
     making: &'a Awaited,
     answers: Answers,
-    /// When time was last let pass; a frame later it is looked at again.
+    /// When time was last advanced; the next time is a frame later.
     last: Instant,
 }
 
@@ -267,8 +267,8 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
         }
     }
 
-    /// Waits until it is time for a step or a snapshot or something was asked for, and does all that was. An error means
-    /// that the window is gone.
+    /// Waits until a step or a snapshot is due or an order arrives, and follows all orders there are. An error means that
+    /// the window is gone.
     fn obey(&mut self, works: bool) -> Result<(), WindowGone> {
         let first = if works {
             let step = FRAME.saturating_sub(self.last.elapsed());
@@ -281,7 +281,7 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
         } else {
             self.orders.recv().map_err(|_gone| WindowGone)?
         };
-        // Before the orders are taken: one that comes after them stops what is begun after them.
+        // Cleared before the orders are taken: a later order sets it again, and so stops the work begun after it is cleared.
         self.stop.store(false, Ordering::Relaxed);
         let mut orders = vec![first];
         let gone = loop {
@@ -291,7 +291,7 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
                 Err(TryRecvError::Disconnected) => break true,
             }
         };
-        // A slider that is dragged faster than the sandbox follows needs only its last value.
+        // If a slider is dragged faster than the sandbox follows, only its last value counts.
         let mut orders = orders.into_iter().peekable();
         while let Some(order) = orders.next() {
             if !orders.peek().is_some_and(|next| next.supersedes(&order)) {
@@ -301,7 +301,7 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
         if gone { Err(WindowGone) } else { Ok(()) }
     }
 
-    /// Does what was asked for, which is told of where it may take long.
+    /// Carries out a command, with its progress visible if it makes bodies.
     fn make(&mut self, command: Command) -> Result<(), SessionError> {
         if !command.makes_bodies() {
             return self.sandbox.handle(command, &Arc::default());

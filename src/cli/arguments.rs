@@ -1,4 +1,4 @@
-//! The command line as it is written.
+//! The arguments that the command line takes.
 
 use std::ffi::OsString;
 
@@ -7,11 +7,11 @@ use clap::{Parser, Subcommand};
 use super::{check, collect, modes, presets, render, report, run, scene_args, sweep, voxelize};
 use crate::geometry::import::FORMATS;
 
-/// What scripts go by.
+/// The exit codes, for scripts.
 const EXIT_CODES: &str =
     "Exit code: 0, 1 when the work failed (also where `run` or `render` explodes), 2 for wrong usage.";
 
-/// What stands below all commands and options.
+/// The text below all commands and options.
 fn closing_words() -> String {
     format!("Model files are {FORMATS}; what a file holds tells which.\n\n{EXIT_CODES}")
 }

@@ -10,9 +10,9 @@ use plotters::prelude::{BindKeyPoints as _, Color, DashedLineSeries, LineSeries}
 use super::plot::{Area, AxisWords, COLORS, COLUMNS, Drawn, PLOT, decades, legend, mesh, panels, power, whole_number};
 use crate::report::error::cells::{CellsFigures, CellsRow};
 
-/// The axis of the cells.
+/// The range of the axis of cells.
 const DIVISIONS: [f64; 2] = [6.0, 48.0];
-/// The resolutions written beside it.
+/// The resolutions written beside the axis.
 const TICKS: [f64; 6] = [7.0, 10.0, 14.0, 20.0, 28.0, 40.0];
 
 /// The picture.

@@ -19,7 +19,7 @@ use crate::session::{BodyParts, Session, SessionError};
 use crate::text::counted;
 use crate::view::legend::three_digits;
 
-/// The scene to look at.
+/// The scene to check.
 #[derive(Debug, Args)]
 pub(super) struct CheckArgs {
     #[command(flatten)]
@@ -55,7 +55,7 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         return Ok(());
     }
     let limit = |secs: Option<f64>| secs.map_or("no limit".to_owned(), limit_text);
-    // Each term's limit with the same margin as the one that counts.
+    // The limit of each term, with the same margin as the overall limit.
     let margin = match (prediction.dt_safe_secs, prediction.dt_limit_secs) {
         (Some(safe), Some(at_rest)) => safe / at_rest,
         _ => 1.0,
@@ -112,7 +112,7 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A scene that is not sound as a JSON object: its errors, and null for everything that cannot be said of it.
+/// An unsound scene as a JSON object: its errors, and null for everything that cannot be worked out.
 fn unsound(error: &anyhow::Error, scene: &OsStr) -> Value {
     let none = Value::Null;
     json!({
@@ -139,7 +139,7 @@ fn unsound(error: &anyhow::Error, scene: &OsStr) -> Value {
     })
 }
 
-/// The errors of a scene one by one, or the one error there is, then without a path.
+/// The errors of a scene one by one; any other error as one problem without a path.
 fn problems(error: &anyhow::Error) -> Vec<Problem> {
     let message = format!("{error:#}");
     let found = match (error.downcast_ref(), error.downcast_ref()) {

@@ -19,8 +19,8 @@ use crate::text::echo_path;
 pub(super) struct CollectArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// The folder to make, of which there must be none or an empty one; or a scene file with all models inside it, if the
-    /// name ends in .ron.
+    /// The folder to make, which must not exist yet or be empty; or a scene file with all models inside it, if the name ends
+    /// in .ron.
     #[arg(short, long, value_name = "FOLDER|FILE.ron")]
     output: PathBuf,
     /// Replace the scene file where there is one of that name.

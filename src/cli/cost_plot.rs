@@ -14,11 +14,11 @@ use crate::view::legend::three_digits;
 
 /// The size of a panel, pixels.
 const PANEL: [u32; 2] = [900, 520];
-/// Where the bars begin and end across, and the room for the legend above them, pixels.
+/// The left and right ends of the bars, and the room for the legend above them, pixels.
 const BARS: [i32; 2] = [150, 680];
 const TOP: i32 = 84;
 
-/// What a panel shows.
+/// The content of a panel.
 enum Panel<'a> {
     Shares(&'a [CostFigures]),
     Crowd(&'a [CrowdRow]),
@@ -34,7 +34,7 @@ pub(super) fn svg(scenes: &[CostFigures], crowd: &[CrowdRow]) -> Result<String> 
     })
 }
 
-/// A bar for every scene, a piece of it for every stage.
+/// Draws a bar for every scene, with a piece for every stage.
 fn shares(area: &Area<'_>, scenes: &[CostFigures]) -> Drawn {
     let font = |size: i32| ("sans-serif", size).into_font().color(&BLACK);
     let title = font(18).pos(Pos::new(HPos::Left, VPos::Center));
@@ -69,7 +69,7 @@ fn shares(area: &Area<'_>, scenes: &[CostFigures]) -> Drawn {
     Ok(())
 }
 
-/// Time of a substep against the number of obstacles.
+/// Draws the time of a substep against the number of obstacles.
 fn crowded(area: &Area<'_>, rows: &[CrowdRow]) -> Drawn {
     let most = rows.iter().map(|row| row.obstacles).max().unwrap_or(1) as f64;
     let highest = rows.iter().flat_map(|row| [row.secs_on, row.secs_off]).fold(0.0, f64::max) * 1e6;

@@ -1,4 +1,4 @@
-//! Why a command ends without success, and with which exit code.
+//! The reasons why a command fails, and their exit codes.
 
 use std::fmt;
 
@@ -15,7 +15,7 @@ impl Failure {
     /// The exit code for wrong usage.
     pub const USAGE: u8 = 2;
 
-    /// Wrong usage.
+    /// Makes a failure of wrong usage.
     pub fn usage(error: impl Into<anyhow::Error>) -> Self {
         Self::Usage(error.into())
     }

@@ -1,8 +1,8 @@
-//! What a measurement has found so far, in a file: one that was interrupted goes on there, and the parts of one that was
-//! divided are merged from there.
+//! Keeps the results of a measurement so far in a file. An interrupted measurement continues from the file, and the parts of
+//! a divided measurement are merged from their files.
 //!
-//! The first line says of which measurement; every other one holds a piece of work that is done, added when it is. A line
-//! that was cut off is a piece that is not done.
+//! The first line names the measurement. Every other line holds a finished piece of work and is added as soon as the piece
+//! is done. A line that was cut off counts as a piece not done.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -20,30 +20,30 @@ use super::shard::Shard;
 use crate::disk::{self, fnv1a};
 use crate::text::echo_path;
 
-/// The longest file of found pieces that is read.
+/// The largest file of results that is read, bytes.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// What tells a measurement from others. All parts of one have the same.
+/// Identifies a measurement. All parts of one measurement have the same value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Measurement {
-    /// What kind: `error`, `stability`, `sweep`.
+    /// The kind of measurement: `error`, `stability`, `sweep`.
     pub(super) kind: String,
-    /// Follows from everything that the figures follow from.
+    /// A hash of everything that the figures depend on.
     pub(super) fingerprint: String,
     /// Pieces of work in all parts together.
     pub(super) pieces: usize,
-    /// What its page needs beside the pieces.
+    /// What the page needs beside the pieces.
     pub(super) about: Value,
 }
 
 impl Measurement {
-    /// A measurement of so many pieces; `from` is all that the figures follow from.
+    /// A measurement of a number of pieces; `from` describes all that the figures depend on.
     pub(super) fn new(kind: &str, pieces: usize, about: Value, from: &str) -> Self {
         let fingerprint = format!("{:016x}", fnv1a(format!("{about} {from}").as_bytes()));
         Self { kind: kind.to_owned(), fingerprint, pieces, about }
     }
 
-    /// The file of found pieces, in the folder of the report.
+    /// The name of the file of results, in the folder of the report.
     pub(super) fn file_name(kind: &str, shard: Option<Shard>) -> String {
         format!("{kind}.{}.jsonl", shard.map_or("partial".to_owned(), Shard::in_name))
     }
@@ -56,7 +56,7 @@ pub(super) struct Head {
     pub(super) shard: Option<Shard>,
 }
 
-/// Every other line.
+/// Every other line of the file.
 #[derive(Serialize, Deserialize)]
 struct Line<T> {
     piece: usize,
@@ -78,7 +78,7 @@ struct Inner<T> {
 }
 
 impl<T: Clone + Serialize + DeserializeOwned> Kept<T> {
-    /// Takes over what an interrupted run of the same measurement has left in the folder, if one is given.
+    /// Opens the results that an interrupted run of the same measurement left in the folder, if one is given.
     pub(super) fn open(folder: Option<&Path>, measurement: Measurement, shard: Option<Shard>) -> Result<Self> {
         let path = folder.map(|folder| folder.join(Measurement::file_name(&measurement.kind, shard)));
         let head = Head { measurement, shard };
@@ -97,7 +97,7 @@ impl<T: Clone + Serialize + DeserializeOwned> Kept<T> {
         Ok(Self { head, path, inner: Mutex::new(inner) })
     }
 
-    /// The pieces of work that are to be done yet.
+    /// The pieces of work still to be done.
     pub(super) fn missing(&self) -> Vec<usize> {
         let (count, whole) = (self.head.measurement.pieces, self.head.shard.is_none());
         let all: Vec<usize> =
@@ -125,12 +125,12 @@ impl<T: Clone + Serialize + DeserializeOwned> Kept<T> {
         self.with(|inner| Ok(inner.found.values().cloned().collect())).unwrap_or_default()
     }
 
-    /// Where the found pieces of a part are; none where everything was measured.
+    /// The part and its file of results; none where everything was measured.
     pub(super) fn part(&self) -> Option<(Shard, &Path)> {
         self.head.shard.zip(self.path.as_deref())
     }
 
-    /// Forgets what was kept: the report is written.
+    /// Removes the file of results, once the report is written.
     pub(super) fn discard(self) -> Result<()> {
         self.path.iter().try_for_each(|path| {
             std::fs::remove_file(path).with_context(|| format!("{} cannot be removed", echo_path(path)))
@@ -147,7 +147,7 @@ fn line(value: &impl Serialize) -> Result<String> {
     Ok(serde_json::to_string(value).context("figures cannot be written down")? + "\n")
 }
 
-/// What a file of found pieces holds.
+/// Reads the results that a file holds.
 pub(super) fn read<T: DeserializeOwned>(path: &Path) -> Result<(Head, BTreeMap<usize, T>)> {
     let head = read_head(path)?;
     let lines = text(path)?;
@@ -155,7 +155,7 @@ pub(super) fn read<T: DeserializeOwned>(path: &Path) -> Result<(Head, BTreeMap<u
     Ok((head, found.map(|line| (line.piece, line.found)).collect()))
 }
 
-/// Of which measurement a file holds pieces.
+/// Reads which measurement a file belongs to.
 pub(super) fn read_head(path: &Path) -> Result<Head> {
     let first = text(path)?;
     let head = first.lines().next().and_then(|line| serde_json::from_str(line).ok());

@@ -49,7 +49,7 @@ use crate::text::echo;
 use arguments::{Arguments, Command};
 pub use failure::Failure;
 
-/// A longer word of an error is cut.
+/// A longer word is shortened in an error.
 const MOST_BYTES: usize = 800;
 
 /// Runs the program with its arguments, the program's name first. Reports a failure as one line on standard error.

@@ -4,10 +4,10 @@ use super::out;
 use crate::geometry::part_cells::PartCount;
 use crate::text::counted;
 
-/// So many parts have a line each; the rest is counted.
+/// This many parts have a line each; the rest is only counted.
 const LINES: usize = 24;
 
-/// Prints the parts of a model and how many cells are of each; nothing where there are none.
+/// Prints the parts of a model and how many cells each has; prints nothing if there are none.
 pub(super) fn print(of: &str, parts: &[PartCount]) -> anyhow::Result<()> {
     if parts.is_empty() {
         return Ok(());

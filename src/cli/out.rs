@@ -1,5 +1,5 @@
-//! Where the command line writes: figures to standard output, notes to standard error, files all or nothing. A pipe
-//! that its reader closed is no error.
+//! The output of the command line: figures to standard output, notes to standard error, files all or nothing. A pipe closed
+//! by its reader is no error.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ pub(super) fn json(object: &serde_json::Value) -> anyhow::Result<()> {
     print(&serde_json::to_string_pretty(object)?)
 }
 
-/// Says where the rows of one part of a measurement are, and how they become a page.
+/// Says where the rows of one part of a measurement are, and how to merge them into a page.
 pub(super) fn part((shard, path): (Shard, &Path), pieces: usize, json: bool) -> anyhow::Result<()> {
     let shown = echo_path(path);
     if json {
@@ -46,7 +46,7 @@ fn print(text: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Tells the person something; nobody may be listening.
+/// Prints a note for a person; it does not matter whether anybody reads it.
 pub(super) fn note(text: &str) {
     let _ = writeln!(io::stderr(), "{}", printable_lines(text));
 }
@@ -56,7 +56,7 @@ pub(super) fn check_writable(path: &Path) -> anyhow::Result<()> {
     disk::check_writable(path).with_context(|| format!("{} cannot be written", echo_path(path)))
 }
 
-/// Refuses an output file that is one of the files read.
+/// Refuses an output file that is also one of the files read.
 pub(super) fn check_spares(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     match inputs.iter().find(|input| disk::is_same_file(path, input)) {
         Some(_input) => {
@@ -67,12 +67,12 @@ pub(super) fn check_spares(path: &Path, inputs: &[PathBuf]) -> Result<(), Failur
     }
 }
 
-/// Writes a whole file or leaves what was there.
+/// Writes a whole file, or leaves the old one unchanged.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     disk::write(path, bytes).with_context(|| format!("{} cannot be written", echo_path(path)))
 }
 
-/// A progress bar on standard error, where a person is watching.
+/// A progress bar on standard error, shown only if that is a terminal.
 #[derive(Debug)]
 pub(super) struct Progress(Mutex<ProgressBar>);
 

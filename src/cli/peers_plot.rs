@@ -1,5 +1,5 @@
-//! The comparison with another engine as a picture: for every cube, error of the swing against time of the processor, of
-//! the bodies that hang as low as ours.
+//! The comparison with another engine as a picture: for every cube, error of the swing against processor time, of the bodies
+//! that hang as low as ours.
 
 use anyhow::Result;
 

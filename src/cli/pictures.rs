@@ -1,4 +1,4 @@
-//! Pictures that commands write: how large, into which files.
+//! The pictures that commands write: their size and their files.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use crate::render::{Gpu, Renderer, offscreen};
 use crate::session::Session;
 use crate::text::echo_path;
 
-/// Two sides in pixels.
+/// Parses the width and height of a picture in pixels.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X', '×']).map(|(width, height)| [width.trim(), height.trim()].map(str::parse));
     match sides {
@@ -24,7 +24,7 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// Refuses files that are no pictures or cannot be written, before any work.
+/// Refuses files that are not named as pictures or cannot be written, before any work.
 pub(super) fn check(files: &[PathBuf]) -> Result<(), Failure> {
     for path in files {
         if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("png")) {
@@ -35,7 +35,7 @@ pub(super) fn check(files: &[PathBuf]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Draws the sandbox as it is.
+/// Draws the sandbox in its present state.
 pub(super) fn draw(
     session: &mut Session,
     gpu: &Gpu,
@@ -51,7 +51,7 @@ pub(super) fn draw(
     Ok(write_png(&image, path)?)
 }
 
-/// OUT.png → `OUT_0001.png`.
+/// Numbers a file: OUT.png → `OUT_0001.png`.
 pub(super) fn numbered(path: &Path, number: u32) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let ending = path.extension().map_or_else(|| "png".into(), |ending| ending.to_string_lossy());

@@ -1,5 +1,5 @@
-//! What the pictures of all measurements share: panels on white, which is readable in a light page, in a dark one and in
-//! print; colours that people who see few of them tell apart; axes.
+//! Shared parts of the pictures of all measurements: panels on white, which is readable in a light page, in a dark one and
+//! in print; colours that colour-blind people can tell apart; axes.
 
 use std::fmt::Display;
 use std::ops::Range;
@@ -13,7 +13,7 @@ use plotters::prelude::{BLACK, Color as _, RGBColor, SVGBackend, WHITE};
 
 use crate::view::colormap::SERIES;
 
-/// Of several curves.
+/// The colours of several curves.
 pub(super) const COLORS: [RGBColor; 7] = [color(0), color(1), color(2), color(3), color(4), color(5), color(6)];
 
 const fn color(index: usize) -> RGBColor {
@@ -23,33 +23,33 @@ const fn color(index: usize) -> RGBColor {
 
 /// A part of the picture.
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-/// What drawing comes to.
+/// The outcome of drawing.
 pub(super) type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
-/// The size of a plot in pixels, and how many stand beside each other.
+/// The size of a plot in pixels, and the number of plots in a row.
 pub(super) const PLOT: [u32; 2] = [740, 460];
 pub(super) const COLUMNS: usize = 2;
 
 /// A chart whose axes are numbers.
 pub(super) type Chart<'a, 'b, X, Y> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<X, Y>>;
 
-/// What stands beside an axis: its name with the unit, and how its numbers are written.
+/// The words of an axis: its name with the unit, and the format of its numbers.
 pub(super) struct AxisWords<'a> {
     pub(super) name: String,
     pub(super) number: &'a dyn Fn(f64) -> String,
 }
 
-/// A power of ten and a digit.
+/// A number as a digit and a power of ten.
 pub(super) fn power(value: f64) -> String {
     format!("{value:.0e}")
 }
 
-/// Without decimals.
+/// A number without decimals.
 pub(super) fn whole_number(value: f64) -> String {
     format!("{value:.0}")
 }
 
-/// The faint mesh of a chart, with what stands beside its axes.
+/// Draws the faint mesh of a chart, with the words of its axes.
 pub(super) fn mesh<X, Y>(chart: &mut Chart<'_, '_, X, Y>, across: &AxisWords<'_>, up: &AxisWords<'_>) -> Drawn
 where
     X: Ranged<ValueType = f64> + ValueFormatter<f64>,
@@ -66,7 +66,7 @@ where
         .draw()
 }
 
-/// The legend of a chart's series.
+/// Draws the legend of a chart's series.
 pub(super) fn legend<'a, 'b: 'a, X, Y>(chart: &mut Chart<'a, 'b, X, Y>, position: SeriesLabelPosition) -> Drawn
 where
     X: Ranged<ValueType = f64>,
@@ -81,7 +81,7 @@ where
         .draw()
 }
 
-/// A picture of panels of this size in pixels beside and below each other, one for each thing.
+/// Draws a picture of panels of this size in pixels, one for each thing, in rows of `columns`.
 pub(super) fn panels<T>(
     things: &[T],
     size: [u32; 2],
@@ -108,7 +108,7 @@ fn failed(error: impl Display) -> anyhow::Error {
     anyhow!("the plot cannot be drawn: {error}")
 }
 
-/// Whole decades around the values.
+/// A range of whole decades around the values.
 pub(super) fn decades(values: impl Iterator<Item = f64>) -> Range<f64> {
     let [low, high] = values
         .filter(|value| value.is_finite() && *value > 0.0)

@@ -49,10 +49,10 @@ pub(super) struct RenderArgs {
     json: bool,
 }
 
-/// The words of [`ColorBy`], which clap then lists in the help and in errors.
+/// Parses the names of [`ColorBy`], which clap also lists in the help and in errors.
 fn color() -> impl TypedValueParser<Value = ColorBy> {
     PossibleValuesParser::new(ColorBy::ALL.map(ColorBy::name)).map(|word| {
-        // The parser lets no other word through.
+        // The parser accepts no other word.
         ColorBy::ALL.into_iter().find(|color| color.name() == word).unwrap_or_default()
     })
 }
@@ -119,7 +119,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Puts the camera where the window puts it first.
+/// Puts the camera where the window puts it at first.
 fn look_at_bodies(session: &mut Session, [width, height]: [u32; 2]) -> anyhow::Result<()> {
     let area = SafeArea::whole(width as f32 / height as f32);
     let picture = session.draw_list();

@@ -1,4 +1,4 @@
-//! `gelatin report`: measurements, each next door.
+//! `gelatin report`: the measurements, each in a file of its own beside this one.
 
 #[cfg(not(feature = "peers"))]
 use anyhow::anyhow;
@@ -14,7 +14,7 @@ use super::report_peers;
 use super::report_speed::{self, SpeedArgs};
 use super::report_stability::{self, StabilityArgs};
 
-/// Which measurement.
+/// The measurement to make.
 #[derive(Debug, Args)]
 pub(super) struct ReportArgs {
     #[command(subcommand)]
@@ -37,8 +37,8 @@ enum Report {
     /// How fast a step is, at every level of vector instructions and by several threads, beside a plain loop, and scenes
     /// beside real time (speed.md, .csv, .svg).
     Speed(SpeedArgs),
-    /// How fast and how exact another engine's soft body is on the same cube, as stiff as makes it hang as low as ours
-    /// (peers.md, .csv, .svg); only in a build with the feature `peers`.
+    /// How fast and how exact another engine's soft body is on the same cube, tuned to hang as low as ours (peers.md, .csv,
+    /// .svg); only in a build with the feature `peers`.
     Peers(ReportForm),
     /// Make one page of the parts that --shard divided a measurement into: of error, stability or a sweep.
     Merge(MergeArgs),

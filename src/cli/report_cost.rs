@@ -18,7 +18,7 @@ use crate::scene::presets::presets;
 const PATIENCE: [Patience; 2] =
     [Patience { seconds: 2.0, wall: Duration::from_secs(20) }, Patience { seconds: 0.3, wall: Duration::from_secs(2) }];
 
-/// Measures, prints, and fails where leaving something out changes the motion.
+/// Measures, prints, and fails if leaving something out changes the motion.
 pub(super) fn run(options: &ReportOptions) -> Result<(), Failure> {
     let folder = options.form.folder(&["cost.md", "cost.csv", "cost.svg"])?;
     if options.given.is_empty() {
@@ -62,7 +62,7 @@ fn measure(options: &ReportOptions) -> Result<Vec<CostFigures>, Failure> {
     Ok(figures)
 }
 
-/// The first feature that changes the motion, though it must not.
+/// The first feature that changes the motion but must not.
 fn defect(figures: &[CostFigures], crowd: &[CrowdRow]) -> Option<String> {
     let of_scene = |figures: &CostFigures| {
         let feature = figures.ablation.iter().find(|row| row.is_defect())?;

@@ -17,14 +17,14 @@ use super::shard::Shard;
 use crate::report::error::cells::{self, Case, CellsFigures};
 use crate::report::error::{self, Effort, ErrorFigures, scenes::scenes, words};
 
-/// What this measurement is called in files.
+/// The name of this measurement in files.
 pub(super) const KIND: &str = "error";
 /// Simulated time a scene is run for, s; and with `--quick`.
 const SECONDS: [f64; 2] = [1.0, 0.16];
-/// The files of the report, and those of its study of cells, which is made where no scene is named.
+/// The files of the report and of its study of cells, which is made only if no scene is named.
 pub(super) const FILES: [&str; 5] = ["error.md", "error.csv", "error.svg", "error_cells.csv", "error_cells.svg"];
 
-/// What is measured.
+/// The scenes to measure.
 #[derive(Debug, Args)]
 pub(super) struct ErrorArgs {
     #[command(flatten)]
@@ -42,7 +42,7 @@ pub(super) enum Piece {
     Cells(CellsFigures),
 }
 
-/// Measures, prints, and fails where a scheme or the cells do not converge.
+/// Measures, prints, and fails if a scheme or the cells do not converge.
 pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
     let options = &args.options;
     options.changes.check_all_schemes()?;
@@ -63,7 +63,7 @@ pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
     told
 }
 
-/// Prints the report, writes it, and fails where a scheme or the cells do not converge.
+/// Prints the report, writes it, and fails if a scheme or the cells do not converge.
 pub(super) fn tell(found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<(), Failure> {
     let (mut scenes, mut cells) = (Vec::new(), Vec::new());
     for piece in found {
@@ -101,7 +101,7 @@ pub(super) fn tell(found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Resu
     }
 }
 
-/// Measures one scene or case after another, but for those that are kept.
+/// Measures the scenes and cases one after another, except those that are kept.
 fn measure(subjects: &[Subject], cases: &[Case], options: &ReportOptions, kept: &Kept<Piece>) -> Result<(), Failure> {
     let effort = Effort::full(options.form.either(SECONDS));
     let missing = kept.missing();

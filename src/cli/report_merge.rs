@@ -13,7 +13,7 @@ use super::report_options::make_folder;
 use super::{report_error, report_stability, sweep};
 use crate::text::echo_path;
 
-/// Where the parts are and where the page goes.
+/// The folders of the parts, and the folder of the page.
 #[derive(Debug, Args)]
 pub(super) struct MergeArgs {
     /// Folders that hold rows of parts.
@@ -58,7 +58,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
     }
 }
 
-/// The files of parts in the folders, by their names.
+/// The files of the parts in the folders, sorted by name.
 fn parts(folders: &[PathBuf]) -> Result<Vec<(PathBuf, Head)>, Failure> {
     let mut paths = Vec::new();
     for folder in folders {

@@ -1,4 +1,4 @@
-//! What every report takes: scenes with values set on them, where its files go, how long it measures.
+//! Options of every report: scenes with values set on them, the folder of its files, how long it measures.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::scene::Scene;
 use crate::session::document::Opened;
 use crate::text::echo_path;
 
-/// What every report takes.
+/// The options of every report on scenes.
 #[derive(Debug, Args)]
 pub(super) struct ReportOptions {
     /// Presets' names, .ron scenes or model files.
@@ -27,7 +27,7 @@ pub(super) struct ReportOptions {
     pub(super) form: ReportForm,
 }
 
-/// How a report is told and how long it measures.
+/// How a report is printed and written, and how long it measures.
 #[derive(Debug, Args)]
 pub(super) struct ReportForm {
     /// Write the report's files into this folder.
@@ -49,7 +49,7 @@ pub(super) struct Subject {
     pub(super) lattices: Vec<Arc<Lattice>>,
 }
 
-/// Everything that the figures of some scenes follow from.
+/// Describes everything that the figures of some scenes depend on.
 pub(super) fn described(subjects: &[Subject]) -> Result<String, Failure> {
     let one = |Subject { name, scene, .. }: &Subject| scene.to_ron().map(|ron| format!("{name} {ron}"));
     let all: Result<Vec<String>, _> = subjects.iter().map(one).collect();
@@ -57,7 +57,7 @@ pub(super) fn described(subjects: &[Subject]) -> Result<String, Failure> {
 }
 
 impl ReportOptions {
-    /// The scenes that were named, or the report's own: what cannot be opened is told before anything is measured.
+    /// The scenes that were named, or the report's own. Fails if a scene cannot be opened, before anything is measured.
     pub(super) fn subjects(&self, own: impl FnOnce() -> Vec<(String, Scene)>) -> Result<Vec<Subject>, Failure> {
         let mut opened: Vec<Opened> =
             self.given.iter().map(|scene| self.changes.open(scene)).collect::<Result<_, _>>()?;
@@ -79,20 +79,20 @@ impl ReportOptions {
 }
 
 impl ReportForm {
-    /// The folder that was asked for, made where there is none; refused where one of the files cannot be written there.
+    /// The folder asked for, made if it does not exist. Fails if one of the files cannot be written there.
     pub(super) fn folder(&self, files: &[&str]) -> Result<Option<&Path>, Failure> {
         let Some(folder) = self.output.as_deref() else { return Ok(None) };
         make_folder(folder, files)?;
         Ok(Some(folder))
     }
 
-    /// The entry of a pair that holds for how long is measured: the second with `--quick`.
+    /// The entry of a pair for this length of measurement: the second with `--quick`.
     pub(super) fn either<T: Copy>(&self, [full, quick]: [T; 2]) -> T {
         if self.quick { quick } else { full }
     }
 }
 
-/// Makes a folder where there is none, and refuses it where one of the files cannot be written there.
+/// Makes a folder if it does not exist. Fails if one of the files cannot be written there.
 pub(super) fn make_folder(folder: &Path, files: &[&str]) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).with_context(|| format!("{} cannot be made a folder", echo_path(folder)))?;
     for name in files {

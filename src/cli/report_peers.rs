@@ -1,5 +1,5 @@
-//! `gelatin report peers`: another engine's soft body beside ours, on the same cube, and soft bodies that meet, in the same
-//! process.
+//! `gelatin report peers`: another engine's soft body beside ours in the same process, on the same cube and in a pile of
+//! bodies that meet.
 
 use anyhow::{Context, anyhow};
 use serde_json::json;
@@ -14,10 +14,10 @@ use crate::report::peers::{PeersFigures, measure, words};
 
 /// Cells along an edge of the cubes; and with `--quick`.
 const DIVISIONS: [&[u32]; 2] = [&[5, 10], &[5]];
-/// How long they swing, s; and with `--quick`.
+/// How long the cubes swing, s; and with `--quick`.
 const SECONDS: [f64; 2] = [0.8, 0.24];
 
-/// Measures, prints, and fails where the peer with our links is not the same body.
+/// Measures, prints, and fails if the peer with our links is not the same body.
 pub(super) fn run(form: &ReportForm) -> Result<(), Failure> {
     let files = ["peers.md", "peers.csv", "peers_pile.csv", "peers.svg"];
     let folder = form.folder(&files)?;
@@ -50,7 +50,7 @@ pub(super) fn run(form: &ReportForm) -> Result<(), Failure> {
     }
 }
 
-/// The first thing that cannot be if both engines solve the same equations.
+/// The first result that contradicts both engines solving the same equations.
 fn defect(cubes: &[PeersFigures]) -> Option<String> {
     let of_cube = |cube: &PeersFigures| Some(format!("{} divisions: {}", cube.divisions, cube.defects.first()?));
     cubes.iter().find_map(of_cube)

@@ -13,7 +13,7 @@ use super::scene_args::start_threads;
 use super::speed_plot;
 use crate::report::speed::{Effort, measure, words};
 
-/// What is measured, and how it is told.
+/// How the speed is measured and printed.
 #[derive(Debug, Args)]
 pub(super) struct SpeedArgs {
     #[command(flatten)]
@@ -23,11 +23,11 @@ pub(super) struct SpeedArgs {
     threads: u16,
 }
 
-/// Measures, prints, and fails where instructions or threads change the motion.
+/// Measures, prints, and fails if instructions or threads change the motion.
 pub(super) fn run(args: &SpeedArgs) -> Result<(), Failure> {
     let files = ["speed.md", "speed.csv", "speed_scenes.csv", "speed.svg"];
     let folder = args.form.folder(&files)?;
-    // The threads of steps are the report's own.
+    // The report makes its own pool for the threads of steps.
     start_threads(1)?;
     let all = available_parallelism().map_or(1, NonZero::get);
     let threads = if args.threads == 0 { all } else { usize::from(args.threads) };

@@ -1,5 +1,5 @@
-//! `gelatin report stability`: the limits of the step, predicted and measured, extreme scenes in automatic stepping,
-//! contact and friction, a round body against Hertz's theory, and what the thesis saw fail.
+//! `gelatin report stability`: the limits of the step, predicted and measured, extreme scenes in automatic stepping, contact
+//! and friction, a round body against Hertz's theory, and the failures that the thesis saw.
 
 use std::path::Path;
 use std::time::Instant;
@@ -26,7 +26,7 @@ use crate::report::stability::map::{self, MapFigures};
 use crate::report::stability::{self, CaseFigures, StabilityFigures, words};
 use crate::scene::settings::Integrator;
 
-/// What this measurement is called in files.
+/// The name of this measurement in files.
 pub(super) const KIND: &str = "stability";
 /// The files of the report.
 pub(super) const FILES: [&str; 6] = [
@@ -37,10 +37,10 @@ pub(super) const FILES: [&str; 6] = [
     "stability_hertz.csv",
     "stability.svg",
 ];
-/// Random scenes where none are asked for, and with `--quick`.
+/// The default number of random scenes, and that with `--quick`.
 const SCENES: [u64; 2] = [300, 30];
 
-/// What is measured and where the report goes.
+/// The scenes to measure, and the random ones.
 #[derive(Debug, Args)]
 pub(super) struct StabilityArgs {
     #[command(flatten)]
@@ -59,17 +59,17 @@ pub(super) struct StabilityArgs {
     shard: Option<Shard>,
 }
 
-/// What is measured, and what its page needs beside the pieces.
+/// The scope of the measurement, which its page needs beside the pieces.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct About {
     seed: u64,
     random: u64,
     quick: bool,
-    /// Whether no scene was named: then everything is measured.
+    /// Whether no scene was named; then everything is measured.
     own: bool,
 }
 
-/// A piece of the report that is to be measured.
+/// A piece of the report to measure.
 enum Work<'a> {
     Case(&'a Subject),
     Random(u64),
@@ -80,7 +80,7 @@ enum Work<'a> {
 }
 
 impl Work<'_> {
-    /// All pieces, in the order in which they are counted.
+    /// All pieces, in the order of their numbers.
     fn all<'a>(about: &About, cases: &'a [Subject]) -> Vec<Work<'a>> {
         let named = cases.iter().map(Work::Case).chain((0..about.random).map(Work::Random));
         let own = Integrator::LIMITED.into_iter().map(Work::Map);
@@ -90,7 +90,7 @@ impl Work<'_> {
     }
 }
 
-/// A piece of the report that was measured.
+/// A measured piece of the report.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Piece {
@@ -98,7 +98,7 @@ pub(super) enum Piece {
     Random {
         verdict: Verdict,
         sound_in_double: bool,
-        /// The time that it took.
+        /// The time that judging took, s.
         wall_secs: f64,
     },
     Map(MapFigures),
@@ -107,7 +107,7 @@ pub(super) enum Piece {
     Failure(FailureFigures),
 }
 
-/// Measures, prints, and fails if anything measured did.
+/// Measures, prints, and fails if anything measured fails.
 pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     let options = &args.options;
     if options.given.is_empty() {
@@ -135,7 +135,7 @@ pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     told
 }
 
-/// Prints the report, writes it, and fails if anything measured did.
+/// Prints the report, writes it, and fails if anything measured fails.
 pub(super) fn tell(about: &About, found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<(), Failure> {
     let (mut all, mut verdicts, mut secs) = (StabilityFigures::default(), Vec::new(), 0.0);
     for piece in found {
@@ -203,7 +203,7 @@ fn write_scene(folder: &Path, seed: u64, number: u64) -> Result<(), Failure> {
 fn measure(about: &About, all: &[Work<'_>], kept: &Kept<Piece>) -> Result<(), Failure> {
     let missing = kept.missing();
     let tally = Tally::new("cases, maps and random scenes", missing.len());
-    // One by one, so that no thread has several of the long ones before it while another has none left.
+    // The pieces are handed out one by one, so that no thread has several long ones left while another is idle.
     let work = missing.into_par_iter().with_max_len(1).map(|piece| {
         let found = all.get(piece).map(|work| measured(about, work)).transpose()?;
         tally.one_more();

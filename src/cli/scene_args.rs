@@ -1,4 +1,4 @@
-//! Which scene a command works on: a preset, a scene file or a model, with values set on the command line.
+//! The scene that a command works on: a preset, a scene file or a model, with values set on the command line.
 
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use crate::session::threads::{choose_threads, choose_threads_beside_window};
 use crate::session::{Session, SessionError};
 use crate::text::{echo, echo_path};
 
-/// The scene and what is set on it.
+/// The scene, and the values set on it.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
     /// A preset's name, a .ron scene or a model file.
@@ -30,7 +30,7 @@ pub(super) struct SceneArgs {
     changes: Changes,
 }
 
-/// What is set on a scene.
+/// The values set on a scene.
 #[derive(Debug, Args)]
 pub(super) struct Changes {
     /// Set a value of the scene (see `gelatin presets --params`); may be given again.
@@ -56,8 +56,8 @@ pub(super) struct Changes {
     #[arg(long, value_name = "GB", allow_negative_numbers = true, value_parser = gigabytes)]
     memory: Option<f64>,
     /// Threads that fill models with cells, take runs side by side, and with run, render and the window the steps of a
-    /// simulation; 0 takes all cores, but for two that a window leaves to what is drawn. A body that is not worth so many is
-    /// left to fewer. The results are the same with any number.
+    /// simulation; 0 takes all cores, except for two that the window keeps for drawing. A body too small for so many threads
+    /// gets fewer. The results are the same with any number.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
     /// The vector instructions that work out forces; auto takes the widest that the machine has. The results are the
@@ -72,7 +72,7 @@ impl SceneArgs {
         &self.scene
     }
 
-    /// Has simulations take their steps by as many threads as were asked for.
+    /// Makes simulations take their steps by as many threads as were asked for.
     pub(super) fn share_steps(&self) {
         self.changes.share_steps();
     }
@@ -83,7 +83,7 @@ impl SceneArgs {
         self.changes.open(&self.scene)
     }
 
-    /// Puts the scene at its start; refused where the `output` of the command is a file that the scene is read from.
+    /// Puts the scene at its start. Fails if the `output` of the command is a file that the scene is read from.
     pub(super) fn start(&self, output: Option<&Path>) -> Result<Session, Failure> {
         self.share_steps();
         let opened = self.open()?;
@@ -101,7 +101,8 @@ impl Changes {
         let before = opened.scene.clone();
         self.apply(&mut opened.scene)?;
         load_meshes(&mut opened.scene, &opened.base_dir, &()).map_err(SessionError::from)?;
-        // What was asked for of a preset or a model can be asked for again; a file differs from what is shown now.
+        // A preset or a model with changes can be asked for again, so it counts as saved; a scene file differs from what is
+        // shown.
         opened.unsaved = opened.file.is_some() && differs(&before, &opened.scene);
         Ok(opened)
     }
@@ -117,7 +118,7 @@ impl Changes {
         }
     }
 
-    /// Refuses everything that would be set on a scene, for a command that was given none; `why` says so.
+    /// Refuses all values set on a scene, for a command that was given no scene; `why` explains the refusal.
     pub(super) fn check_nothing_is_set(&self, why: &str) -> Result<(), Failure> {
         let Self { set, dt, integrator, stepping, divisions, up, .. } = self;
         let given = [
@@ -176,7 +177,7 @@ impl Changes {
         }
     }
 
-    /// Sets how much memory may be taken, chooses the vector instructions and starts the worker threads, once in a process.
+    /// Sets the memory limit, chooses the vector instructions and starts the worker threads; once in a process.
     pub(super) fn start_threads(&self) -> Result<(), Failure> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the range of the option")]
         if let Some(gigabytes) = self.memory {
@@ -186,20 +187,20 @@ impl Changes {
         start_threads(self.threads)
     }
 
-    /// Has simulations of the process take their steps by as many threads while a window is drawn beside them.
+    /// Makes simulations of the process take their steps by as many threads as were asked for, while a window is drawn.
     pub(super) fn share_steps_with_window(&self) {
         let chosen = choose_threads_beside_window(usize::from(self.threads));
         debug_assert!(chosen, "chosen once, before anything is simulated");
     }
 
-    /// Has simulations of the process take their steps by as many threads, where nothing else is at work beside them.
+    /// Makes simulations of the process take their steps by as many threads as were asked for, with nothing drawn.
     pub(super) fn share_steps(&self) {
         let chosen = choose_threads(usize::from(self.threads));
         debug_assert!(chosen, "chosen once, before anything is simulated");
     }
 }
 
-/// Starts the worker threads, once in a process; 0 takes all cores.
+/// Starts the worker threads; once in a process. A count of 0 takes all cores.
 pub(super) fn start_threads(count: u16) -> Result<(), Failure> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(usize::from(count))
@@ -208,7 +209,7 @@ pub(super) fn start_threads(count: u16) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Has forces worked out by these vector instructions, or refuses in words.
+/// Chooses the vector instructions that work out forces, or refuses in words.
 fn choose_simd(name: &str) -> Result<(), Failure> {
     if name == "auto" || choose_simd_level(name) {
         return Ok(());
@@ -217,7 +218,7 @@ fn choose_simd(name: &str) -> Result<(), Failure> {
     Err(Failure::usage(anyhow!("this machine has no {name} instructions for --simd; it has {has}")))
 }
 
-/// A step on the command line, s; whether it is within its range is told with the other values.
+/// Parses a step, s; its range is checked with the other values.
 fn step_secs(text: &str) -> Result<f64, String> {
     text.trim().parse().ok().ok_or_else(|| {
         let allowed = param::find("settings.dt").map(Param::range_text);
@@ -225,7 +226,7 @@ fn step_secs(text: &str) -> Result<f64, String> {
     })
 }
 
-/// An amount of memory on the command line.
+/// Parses an amount of memory.
 fn gigabytes(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(gigabytes) if (0.001..=1e6).contains(&gigabytes) => Ok(gigabytes),
@@ -233,7 +234,7 @@ fn gigabytes(text: &str) -> Result<f64, String> {
     }
 }
 
-/// An axis on the command line: as files have it, or with a sign.
+/// Parses an axis, spelled as in files or with a sign.
 pub(super) fn up_axis(text: &str) -> Result<UpAxis, String> {
     let word = text.replace('-', "_");
     let name = word.strip_prefix('_').map(|letter| format!("minus_{letter}")).unwrap_or(word);
@@ -241,7 +242,7 @@ pub(super) fn up_axis(text: &str) -> Result<UpAxis, String> {
     found.ok_or_else(|| "an axis is needed: auto, y, z, x, -y, -z or -x".to_owned())
 }
 
-/// Finds the modes that bodies of the scene are to move by, unless they were found before.
+/// Finds the modes that bodies of the scene move by, unless they are known.
 pub(super) fn find_modes(session: &mut Session) {
     if session.awaited_modes().is_some() {
         let folder = session.modes_folder(cache_folder());
@@ -262,7 +263,7 @@ pub(super) fn open(given: &OsStr) -> Result<Opened, Failure> {
         return Ok(Opened::without_file((preset.build)(), preset.name.to_owned(), PathBuf::from(".")));
     }
     if !path.exists() {
-        // A name with an ending or a folder was meant as a file: its absence is no slip of the command line.
+        // A name with an extension or a folder means a file, so its absence is no wrong usage.
         if path.extension().is_some() || path.components().count() > 1 {
             return Err(anyhow!("{shown} does not exist; give a preset's name, a .ron scene or a model file").into());
         }

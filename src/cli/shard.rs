@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// The most parts.
+/// The most parts of a measurement.
 const MOST: usize = 100_000;
 
 /// Part `number` of `of`, counted from 1.
@@ -16,17 +16,18 @@ pub(super) struct Shard {
 }
 
 impl Shard {
-    /// The pieces of work, of so many, that belong to this part: every `of`th, so that long ones are shared out.
+    /// The pieces of work, out of `count`, that belong to this part: every `of`th, so that long ones are spread over the
+    /// parts.
     pub(super) fn pieces(self, count: usize) -> impl Iterator<Item = usize> {
         (0..count).skip(self.number - 1).step_by(self.of)
     }
 
-    /// The part of the same division that a piece of work belongs to.
+    /// The part of the same division that holds a piece of work.
     pub(super) fn of_piece(self, piece: usize) -> Self {
         Self { number: piece % self.of + 1, of: self.of }
     }
 
-    /// The part in the name of a file.
+    /// The part as written in the name of a file.
     pub(super) fn in_name(self) -> String {
         format!("shard-{}-of-{}", self.number, self.of)
     }

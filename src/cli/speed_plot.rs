@@ -1,4 +1,4 @@
-//! The speed report as a picture: time a link against the size of the cube, a curve for every way to take a step; and
+//! The speed report as a picture: time per link against the size of the cube, a curve for every way to take a step; and
 //! scenes beside real time.
 
 use anyhow::Result;
@@ -25,17 +25,17 @@ pub(super) fn svg(figures: &SpeedFigures) -> Result<String> {
     })
 }
 
-/// What a panel shows.
+/// The content of a panel.
 enum Panel<'a> {
     Cubes(&'a SpeedFigures),
     Scenes(&'a [SceneSpeed]),
 }
 
-/// Where the bars begin and end across, and where the first one is, pixels.
+/// The left and right ends of the bars, and the top of the first one, pixels.
 const BARS: [i32; 2] = [230, 640];
 const TOP: i32 = 64;
 
-/// A bar for every scene, of a length that goes with the logarithm; what contact between bodies has of it is darker.
+/// Draws a bar for every scene, on a logarithmic scale. The darker part is the share of contact between bodies.
 fn beside_real_time(area: &Area<'_>, scenes: &[SceneSpeed]) -> Drawn {
     let font = |size: i32| ("sans-serif", size).into_font().color(&BLACK);
     let [left, right] = [HPos::Left, HPos::Right].map(|side| font(13).pos(Pos::new(side, VPos::Center)));

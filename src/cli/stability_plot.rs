@@ -1,5 +1,5 @@
-//! The stability report as a picture: for every scheme with a border, after how many steps a cube blows up over its stiffness
-//! and damping, the measured border, and the predicted one over it.
+//! The stability report as a picture: for every scheme with a border, the number of steps until a cube blows up over its
+//! stiffness and damping, the measured border, and the predicted border over it.
 
 use anyhow::Result;
 use plotters::chart::{ChartBuilder, SeriesLabelPosition};
@@ -11,7 +11,7 @@ use super::plot::{Area, COLORS, Drawn, legend, panels, power};
 use crate::report::stability::map::MapFigures;
 use crate::view::Colormap;
 
-/// The size of a map, pixels, and how many stand beside each other.
+/// The size of a map, pixels, and the number of maps in a row.
 const MAP: [u32; 2] = [560, 500];
 const COLUMNS: usize = 3;
 
@@ -81,7 +81,7 @@ fn cells(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value / half).chain(values.last().map(|last| last * half)).collect()
 }
 
-/// White where nothing blew up; the sooner it did the darker, by the logarithm of the steps.
+/// White where nothing blew up; otherwise the darker the sooner, by the logarithm of the steps.
 fn color(survived: usize, watched: usize) -> RGBColor {
     if survived >= watched {
         return WHITE;

@@ -1,5 +1,5 @@
-//! Error against time, both axes logarithmic: a curve for everything that was measured at several steps, the spread of
-//! the times, what nothing is better than, and how well the reference is known.
+//! Error against time, both axes logarithmic: a curve for everything measured at several steps, the spread of the times, the
+//! Pareto front, and the error of the reference.
 
 use plotters::chart::{ChartBuilder, SeriesLabelPosition};
 use plotters::coord::combinators::IntoLogRange as _;
@@ -8,31 +8,31 @@ use plotters::prelude::{BLACK, Color, DashedLineSeries, LineSeries, ShapeStyle};
 
 use super::plot::{Area, AxisWords, COLORS, Drawn, decades, legend, mesh, power};
 
-/// How much further than the slowest run the axis of times goes: the legend stands there.
+/// The axis of times goes this many times further than the slowest run, to make room for the legend.
 const FOR_LEGEND: f64 = 30.0;
 
-/// What is drawn.
+/// The content of a plot.
 pub(super) struct TimePlot {
     pub(super) caption: String,
-    /// Which time: of the wall clock, of the processor.
+    /// The kind of time: wall time or processor time.
     pub(super) time: &'static str,
-    /// Errors below this are not known.
+    /// Errors below this are unknown, m.
     pub(super) known_m: f64,
     pub(super) curves: Vec<Curve>,
 }
 
-/// The same thing at several steps.
+/// One way of stepping, measured at several steps.
 pub(super) struct Curve {
     pub(super) name: &'static str,
     pub(super) points: Vec<Point>,
 }
 
-/// It at one step.
+/// A measurement at one step.
 pub(super) struct Point {
-    /// Median, least and most time for a simulated second.
+    /// Median, least and most time per simulated second.
     pub(super) secs: [f64; 3],
     pub(super) error_m: f64,
-    /// Whether nothing is better in both.
+    /// Whether it lies on the Pareto front.
     pub(super) is_best: bool,
 }
 

@@ -1,4 +1,4 @@
-//! A first word that is neither a command nor a scene: what it may have been meant to be.
+//! Suggests what a first word may mean that is neither a command nor a scene.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -11,12 +11,12 @@ use super::failure::Failure;
 use crate::scene::presets;
 use crate::text::{distance, echo};
 
-/// The refusal of a word that could be a command, but is none, nor a preset's name nor a file.
+/// Refuses a word that looks like a command but is no command, no preset's name and no file.
 pub(super) fn refusal(word: &OsStr) -> Option<Failure> {
     let path = Path::new(word);
     let presets: Vec<&str> = presets::presets().iter().map(|preset| preset.name).collect();
     let word = word.to_str().filter(|word| !word.is_empty() && !word.starts_with('-') && !presets.contains(word))?;
-    // A name with an ending or a folder is meant as a file.
+    // A name with an extension or a folder means a file.
     if path.exists() || path.extension().is_some() || path.components().count() > 1 {
         return None;
     }

@@ -58,7 +58,7 @@ pub(super) struct VoxelizeArgs {
     json: bool,
 }
 
-/// A length on the command line: that of a body, or 0.
+/// Parses a length: that of a body, or 0.
 fn length(text: &str) -> Result<f64, String> {
     let [least, most] = LENGTHS;
     match text.parse::<f64>() {
@@ -67,7 +67,7 @@ fn length(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A density on the command line: one that a material may have.
+/// Parses a density that a material may have.
 fn density(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(density)
@@ -172,7 +172,7 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The parts that the file names, and how many cells are of each.
+/// The parts that the file names, and how many cells each has.
 fn part_counts(imported: &Imported, cells: &Cells) -> Vec<PartCount> {
     let Some(names) = &imported.parts else { return Vec::new() };
     let grid = &cells.grid;
@@ -217,10 +217,10 @@ fn mass_text(report: &VoxelReport, density: f64, mass_kg: f64) -> String {
     format!("{volume} m³ ({what}): {mass} kg at {density} kg/m³")
 }
 
-/// The faces between filled cells and empty ones as an OBJ file: quads, counter-clockwise from outside, corners
-/// shared, where the model was before `up` was turned upward.
+/// Writes the faces between filled and empty cells as an OBJ file: quads, counter-clockwise from outside, with shared
+/// corners, in the orientation that the model had before `up` was turned upward.
 fn outer_faces(cells: &Cells, up: UpAxis) -> String {
-    /// The corners of the face towards −x, and the axes of the other faces by turning them cyclically.
+    /// The corners of the face towards −x; the other faces follow by turning the axes cyclically.
     const LOW: [[u32; 3]; 4] = [[0, 0, 0], [0, 0, 1], [0, 1, 1], [0, 1, 0]];
     let grid = cells.grid;
     let [nx, ny, _] = grid.dims.map(|n| n as usize + 1);

@@ -7,7 +7,7 @@ use std::path::Path;
 use super::{TEMPORARY, TEMPORARY_REST, folder_of, other_kind};
 use crate::text::echo_path;
 
-/// Why a folder cannot be made here; nothing where it can: there is nothing of this name, or an empty folder.
+/// Checks that a folder can be made here: there is nothing of this name, or an empty folder. The error says why not.
 pub fn check_new_folder(path: &Path) -> io::Result<()> {
     let outer = folder_of(path);
     if !outer.is_dir() {
@@ -23,7 +23,7 @@ pub fn check_new_folder(path: &Path) -> io::Result<()> {
     Err(io::Error::new(io::ErrorKind::AlreadyExists, words))
 }
 
-/// Writes a whole folder or nothing: `fill` writes into one beside it, which is then given its name.
+/// Writes a whole folder or nothing: `fill` writes into a temporary one beside it, which is then renamed.
 pub fn write_folder<E: From<io::Error>>(path: &Path, fill: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
     check_new_folder(path)?;
     let mut builder = tempfile::Builder::new();

@@ -1,5 +1,5 @@
-//! Files read and written whole. Regular files only: a pipe or a device would be waited for without end. What is read
-//! has a greatest size; what is written is there as a whole or not at all. A link is followed, never replaced.
+//! Files read and written whole. Only regular files: a pipe or a device might never end. Reading has a size limit; writing
+//! leaves the whole file or nothing. A link is followed, never replaced.
 
 mod folder;
 
@@ -24,13 +24,13 @@ const LEFT_BEHIND: Duration = Duration::from_hours(1);
 /// Links that lead to links are followed this often; more of them are a circle.
 const MOST_LINKS: usize = 40;
 
-/// Why a file was not read. Reads on after the file's name.
+/// Why a file was not read. The message continues a sentence that begins with the file's name.
 #[derive(Debug, Error)]
 pub enum ReadError {
     /// A folder, a pipe, a device.
     #[error("is a {0}, not a file")]
     NotAFile(&'static str),
-    /// Larger than anything of its kind.
+    /// Larger than the limit.
     #[error("is larger than {} MiB", .0 >> 20)]
     TooLarge(u64),
     /// The system refuses.
@@ -40,7 +40,7 @@ pub enum ReadError {
 
 /// Reads a file of at most `limit` bytes.
 pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
-    // Looked at before it is opened: to open a pipe is to wait for someone at its other end.
+    // Checked before it is opened: opening a pipe waits for someone at its other end.
     let about = fs::metadata(path)?;
     if let Some(kind) = other_kind(&about) {
         return Err(ReadError::NotAFile(kind));
@@ -78,8 +78,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes temporary files that killed programs left behind in the folder of `path`, a file of ours: only what
-/// [`write()`] names so, only regular files of its owner, only old ones. What cannot be removed stays.
+/// Removes temporary files that killed programs left behind in the folder of `path`, a file of this program. They must be
+/// old regular files of its owner with a name that [`write()`] gives. Files that cannot be removed stay.
 pub fn remove_left_behind(path: &Path) {
     let Ok(own) = fs::metadata(path) else { return };
     for entry in fs::read_dir(folder_of(path)).into_iter().flatten().filter_map(Result::ok) {
@@ -88,7 +88,7 @@ pub fn remove_left_behind(path: &Path) {
         if rest.len() != TEMPORARY_REST || !rest.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
             continue;
         }
-        // Of the entry itself: a link is none of ours.
+        // The metadata of the entry itself, not of what a link leads to.
         let Ok(about) = entry.metadata() else { continue };
         let age = about.modified().ok().and_then(|modified| modified.elapsed().ok()).unwrap_or_default();
         if about.is_file() && is_same_owner(&own, &about) && age > LEFT_BEHIND {
@@ -98,7 +98,7 @@ pub fn remove_left_behind(path: &Path) {
     }
 }
 
-/// Whether two files are of one person, as far as the system knows of persons.
+/// Whether two files have the same owner; always true where the system has no owners.
 #[cfg_attr(not(unix), expect(unused_variables, reason = "no owners"))]
 fn is_same_owner(a: &Metadata, b: &Metadata) -> bool {
     #[cfg(unix)]
@@ -146,7 +146,7 @@ pub fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-/// Where a path leads once its last part is no link any more; there need not be anything.
+/// Follows links until the last part of a path is not a link; the result need not exist.
 fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut place = path.to_owned();
     for _ in 0..MOST_LINKS {
@@ -158,7 +158,7 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("the links lead in a circle"))
 }
 
-/// What is known of the file that would be replaced; none where there is nothing.
+/// Returns what is known of the file that would be replaced; none if there is no file.
 fn replaceable(target: &Path) -> io::Result<Option<Metadata>> {
     let Ok(old) = fs::metadata(target) else { return Ok(None) };
     if let Some(kind) = other_kind(&old) {
@@ -170,7 +170,7 @@ fn replaceable(target: &Path) -> io::Result<Option<Metadata>> {
     Ok(Some(old))
 }
 
-/// What something is that is no regular file.
+/// Names the kind of something that is no regular file.
 fn other_kind(about: &Metadata) -> Option<&'static str> {
     #[cfg(unix)]
     {

@@ -7,13 +7,13 @@ use crate::view::{Colormap, Image, Legend};
 /// Inter Regular 4.0 (SIL Open Font License, see `assets/fonts`).
 pub const INTER: &[u8] = include_bytes!("../../assets/fonts/Inter-Regular.otf");
 
-/// Lengths for a picture [`REFERENCE_HEIGHT`] pixels high; others scale with it.
+/// The height of a picture, pixels, for which the lengths below hold; others scale with it.
 const REFERENCE_HEIGHT: f32 = 800.0;
 const MARGIN: f32 = 28.0;
 const BAR: [f32; 2] = [240.0, 12.0];
 const TEXT: f32 = 17.0;
 const TICK: f32 = 5.0;
-/// Smaller text would not be read.
+/// The least scale: smaller text would not be read.
 const LEAST_SCALE: f32 = 0.7;
 /// Lighter backgrounds than this (mean of sRGB bytes) take dark text.
 const LIGHT_BACKGROUND: f32 = 128.0;
@@ -109,7 +109,7 @@ impl Pen<'_> {
     }
 }
 
-/// Text that stands out from what is at a place.
+/// Returns a colour for text that stands out from the picture at a place.
 fn ink(image: &Image, place: [f32; 2]) -> [u8; 3] {
     let behind = image.pixel(place.map(to_pixel)).unwrap_or_default();
     let mean = behind[..3].iter().map(|&byte| f32::from(byte)).sum::<f32>() / 3.0;

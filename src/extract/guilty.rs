@@ -8,14 +8,14 @@ use crate::view::Overlay;
 use crate::view::overlay::{LineEnds, Lines};
 use crate::view::style::Tint;
 
-/// Links whose rate of strain is at least this share of the largest are at fault. An unstable mode grows fastest
-/// where the lattice is most confined, and falls off from there.
+/// Links are at fault if their rate of strain is at least this fraction of the largest. An unstable mode grows fastest where
+/// the lattice is most confined, and falls off from there.
 const SHARE: f32 = 0.25;
-/// How much of a body is taken away so that the links in it can be seen.
+/// How much a body fades so that the links in it can be seen.
 const SEE_THROUGH: f32 = 0.7;
 
-/// The links of some families in one body that change their length fastest, as particles of the draw list. A step that
-/// is too large for a family shows there first: its links overshoot from one step to the next.
+/// Finds the links of some families in one body whose length changes fastest, as particles of the draw list. A time step
+/// that is too large for a family shows there first: its links overshoot from step to step.
 pub fn guilty_links(simulation: &Simulation<f32>, body: usize, families: &[Family]) -> Vec<[u32; 2]> {
     let Some(body) = simulation.model().bodies.get(body) else { return Vec::new() };
     let state = simulation.state();
@@ -35,7 +35,7 @@ pub fn guilty_links(simulation: &Simulation<f32>, body: usize, families: &[Famil
     rates.iter().filter(is_guilty).map(|(ends, _)| *ends).collect()
 }
 
-/// Marks links over everything else, the body that they are in made sheer.
+/// Marks links over everything else, and makes bodies sheer.
 pub fn mark_links(overlay: &mut Overlay, links: &Arc<Vec<[u32; 2]>>) {
     if links.is_empty() {
         return;
@@ -54,7 +54,7 @@ mod tests {
     use crate::scene::body::CubeShape;
     use crate::scene::{Body, Scene, Shape};
 
-    /// Two cubes of one cell; the corner of the second is torn away along x.
+    /// Two cubes of one cell. A corner of the second one is torn away along x.
     fn torn() -> Simulation<f32> {
         let body = || Body { shape: Shape::Cube(CubeShape { cells: 1, size: 1.0 }), ..Body::default() };
         let scene = Scene { bodies: vec![body(), body()], ..Scene::default() };

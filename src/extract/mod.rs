@@ -1,5 +1,5 @@
-//! From a scene and a simulation to a draw list: which surface follows which particles, where obstacles are, how the
-//! scene is looked at. Knows both sides and neither a window nor a graphics library.
+//! From a scene and a simulation to a draw list: the surface that follows the particles, the places of obstacles, the view
+//! of the scene. Knows both sides, but neither a window nor a graphics library.
 
 pub mod guilty;
 pub mod model_picture;

@@ -1,5 +1,5 @@
-//! A picture of a model and its cells before it is a body: what they lose of it is marked on its surface (SC, limitations a
-//! and b), and their frames show the steps that a slope becomes.
+//! A picture of a model and its cells before it becomes a body. Its surface is coloured where the cells lose detail (SC,
+//! limitations a and b); the frames of the cells show the steps of a slope.
 
 use std::sync::Arc;
 
@@ -13,14 +13,14 @@ use crate::math::Aabb;
 use crate::view::overlay::CellFrames;
 use crate::view::{DrawList, Orbit, Overlay, SafeArea, Skin, SkinInstance, Style};
 
-/// sRGB, told apart by colour-blind people too (after Okabe and Ito): what is thinner than a cell, ...
+/// sRGB, distinct for colour-blind people too (after Okabe and Ito): parts that are thinner than a cell, ...
 pub const THIN: [u8; 3] = [230, 159, 0];
-/// ... what moves as one with something else, ...
+/// ... parts that move as one with another part, ...
 pub const JOINED: [u8; 3] = [86, 130, 233];
-/// ... and what does both.
+/// ... and parts that are both.
 pub const THIN_AND_JOINED: [u8; 3] = [204, 60, 120];
 
-/// The colour of a surface of which nothing is lost, linear red, green, blue.
+/// The colour of a surface that loses no detail, linear red, green, blue.
 const PLAIN: [f32; 3] = [0.55, 0.56, 0.58];
 
 /// A model and its cells.
@@ -33,7 +33,7 @@ pub struct ModelPicture {
 }
 
 impl ModelPicture {
-    /// Of a lattice and what it loses of its model.
+    /// The picture of a lattice and of the detail that it loses of its model.
     pub fn new(lattice: &Lattice, lost: &LostDetail) -> Self {
         let tint = |lost: &Lost| match (lost.thin, lost.joined) {
             (false, false) => NO_TINT,
@@ -43,7 +43,7 @@ impl ModelPicture {
         };
         let paint = Paint::new(Vec::new(), lost.lost.iter().map(tint).collect(), None);
         let skin = model_skin(lattice, &lost.pieces, paint.as_ref(), None, 0);
-        // It stands on the ground.
+        // The model stands on the ground.
         let lift = DVec3::Y * -lattice.grid.origin.y;
         let particles: Vec<[f32; 3]> =
             lattice.corners.iter().map(|corner| (lattice.grid.corner(*corner) + lift).as_vec3().to_array()).collect();
@@ -52,13 +52,13 @@ impl ModelPicture {
         Self { skin: Arc::new(skin), particles: Arc::new(particles), cells, bounds }
     }
 
-    /// The same direction from where all of it is seen, in a picture of this width over its height.
+    /// The orbit from which the whole model is seen in the same direction, in a picture of this width over height.
     pub fn seen_whole(&self, mut orbit: Orbit, aspect: f32) -> Orbit {
         orbit.frame(self.bounds, SafeArea::whole(aspect));
         orbit
     }
 
-    /// What is drawn of it.
+    /// The picture as a draw list.
     pub fn draw_list(&self, orbit: &Orbit, style: Style, cells: bool, scale: f32) -> DrawList {
         let mut overlay = Overlay { scale, ..Overlay::default() };
         if cells {

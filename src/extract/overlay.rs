@@ -1,5 +1,5 @@
-//! From a simulation to what explains it: links, particles, pins, cells, contact forces, the boxes of the broad phase. What
-//! is switched off is neither computed nor kept.
+//! Overlays of a simulation: links, particles, pins, cells, contact forces, the boxes of the broad phase. Overlays that are
+//! switched off are neither computed nor kept.
 
 use std::sync::Arc;
 
@@ -16,28 +16,28 @@ use crate::view::overlay::{CellFrames, LineEnds, Lines, PointPlaces, Points, Seg
 use crate::view::style::Tint;
 use crate::view::{Overlay, Selected};
 
-/// How much of a body is taken away where its inside is shown.
+/// How much a body fades when its inside is shown.
 const SEE_THROUGH: f32 = 0.8;
-/// What is left of boxes behind other things.
+/// How much of boxes shows behind other things.
 const HIDDEN_BOXES: f32 = 0.3;
-/// What is left of arrows: the body that is pushed lies before most of them.
+/// How much of arrows shows behind other things: the body that is pushed hides most of them.
 const HIDDEN_ARROWS: f32 = 0.75;
-/// The arrow of the force that carries a particle of a body at rest, in sizes of the body.
+/// The length of the arrow for the force that carries one particle of a body at rest, in sizes of the body.
 const ARROW: f32 = 0.2;
-/// What is left of pins behind other things.
+/// How much of pins shows behind other things.
 const HIDDEN_PINS: f32 = 0.3;
 /// The longest arrow, in sizes of the body.
 const LONGEST_ARROW: f32 = 1.0;
-/// The length of an arrow's head, in arrows, and at most in sizes of the body.
+/// The length of an arrow's head in lengths of the arrow, and at most in sizes of the body.
 const HEAD: [f32; 2] = [0.35, 0.05];
 
-/// Index lists of lattices that are drawn, made once and kept as long as they are.
+/// Index lists of the lattices that are drawn. Each is made once and kept as long as its lattice is drawn.
 #[derive(Debug, Default)]
 pub struct OverlaySource {
     lattices: Vec<LatticeLists>,
 }
 
-/// The lists of one lattice that have been asked for.
+/// The index lists of one lattice that have been needed so far.
 #[derive(Debug)]
 struct LatticeLists {
     lattice: Arc<Lattice>,
@@ -46,8 +46,8 @@ struct LatticeLists {
 }
 
 impl OverlaySource {
-    /// What the wanted overlays show of the present state. `bodies` are the scene's, whose visible ones have the
-    /// skins of the draw list in the same order.
+    /// Returns the wanted overlays of the present state. `bodies` are the scene's; the draw list has the skins of the
+    /// visible ones in the same order.
     pub fn fill(&mut self, simulation: &Simulation<f32>, bodies: &[Body], wanted: Overlays) -> Overlay {
         let mut overlay = Overlay::default();
         let inside = wanted.structural || wanted.shear || wanted.bending || wanted.particles || wanted.cells;
@@ -109,7 +109,7 @@ impl OverlaySource {
     }
 }
 
-/// The particles of a body that are held; none where all move.
+/// The pinned particles of a body; `None` if all move.
 fn pins(simulation: &Simulation<f32>, body: &BodyModel<f32>) -> Option<Points> {
     let own = &simulation.state().position[body.particles.clone()];
     let held = own.iter().enumerate().filter(|(local, _)| body.is_pinned(*local));
@@ -118,8 +118,8 @@ fn pins(simulation: &Simulation<f32>, body: &BodyModel<f32>) -> Option<Points> {
     Some(Points { places, tint: Tint::Pin, size: 8.0, hidden: HIDDEN_PINS })
 }
 
-/// Force for each metre of an arrow, N/m: the weight that one particle carries when the body rests on one face of the
-/// box around it is a fifth of the body's size. The body's own weight in size without gravity.
+/// The force per metre of arrow, N/m. The weight that one particle carries when the body rests on one face of the box around
+/// it becomes a fifth of the body's size. Without gravity, that of the Earth is used.
 #[expect(clippy::cast_possible_truncation, reason = "a length on the screen needs no more")]
 pub fn newtons_per_metre(body: &BodyModel<f32>, gravity: Vec3) -> f32 {
     let gravity = if gravity == Vec3::ZERO { EARTH_GRAVITY as f32 } else { gravity.length() };
@@ -128,20 +128,19 @@ pub fn newtons_per_metre(body: &BodyModel<f32>, gravity: Vec3) -> f32 {
     weight / libm::powf(count, 2.0 / 3.0) / (ARROW * body.size)
 }
 
-/// The draw list's name for a body of the scene; `None` where it is hidden or not there.
+/// A body of the scene as the draw list names it; `None` if it is hidden or does not exist.
 pub fn selected_body(bodies: &[Body], index: usize) -> Option<Selected> {
     bodies.get(index).filter(|body| !body.hidden)?;
     Some(Selected::Skin(bodies[..index].iter().filter(|body| !body.hidden).count()))
 }
 
-/// The draw list's name for an obstacle of the scene; `None` where it is hidden or not there.
+/// An obstacle of the scene as the draw list names it; `None` if it is hidden or does not exist.
 pub fn selected_obstacle(obstacles: &[Obstacle], index: usize) -> Option<Selected> {
     obstacles.get(index).filter(|obstacle| !obstacle.hidden)?;
     Some(Selected::Solid(obstacles[..index].iter().filter(|obstacle| !obstacle.hidden).count()))
 }
 
-/// A pull from the point grabbed to where the pointer wants it: a line that is seen through everything, a dot at
-/// either end.
+/// Draws a pull from the grabbed point to its target: a line that shows through everything, with a dot at either end.
 pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3) {
     let tint = Tint::Accent;
     overlay.lines.push(placed(vec![Segment::plain(grabbed, target, 2.5)], tint, 0.7));
@@ -151,14 +150,14 @@ pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3) {
     }
 }
 
-/// The edges of a face under a brush, and what is hidden of them.
+/// Draws the edges of a face under a brush; hidden parts show through.
 pub fn add_face(overlay: &mut Overlay, corners: [Vec3; 4]) {
     let edges = (0..4).map(|place| Segment::plain(corners[place], corners[(place + 1) % 4], 3.0)).collect();
     overlay.lines.push(placed(edges, Tint::Accent, 0.5));
 }
 
-/// Where particles or points of meshes touch obstacles or other bodies, and the force on each as an arrow; its length is
-/// proportional to the force, see [`newtons_per_metre`], up to the body's size.
+/// Marks the contacts of particles or mesh points with obstacles or other bodies, with the force on each as an arrow. The
+/// arrow's length is proportional to the force, see [`newtons_per_metre`], up to the body's size.
 fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>) {
     let model = simulation.model();
     let (mut places, mut arrows) = (Vec::new(), Vec::new());
@@ -189,8 +188,8 @@ fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>) {
     overlay.points.push(Points { places, tint: Tint::Contact, size: 4.5, hidden: HIDDEN_ARROWS });
 }
 
-/// The box around every body, and around every obstacle, stronger where it meets a body's: those pairs pass the broad
-/// phase.
+/// The boxes around all bodies and around all obstacles. An obstacle's box is stronger if it overlaps that of a body: such
+/// pairs pass the broad phase.
 fn boxes(simulation: &Simulation<f32>) -> [Lines; 2] {
     let (model, state) = (simulation.model(), simulation.state());
     let around = |body: &BodyModel<f32>| Aabb::around(body.particles.clone().map(|particle| state.position[particle]));
@@ -217,7 +216,7 @@ fn add_box(edges: &mut Vec<Segment>, bounds: &Aabb<f32>, opacity: f32, width: f3
     edges.extend(box_edges().map(edge));
 }
 
-/// The edges of a box, between its corners.
+/// The edges of a box, as pairs of its corners.
 pub(super) fn box_edges() -> impl Iterator<Item = [usize; 2]> {
     let along = (0..8_usize).flat_map(|place| [1, 2, 4].map(|bit| (place, bit)));
     along.filter(|(place, bit)| place & bit == 0).map(|(place, bit)| [place, place | bit])

@@ -1,11 +1,11 @@
-//! What overlays show of a small cube.
+//! The overlays of a small cube.
 
 use super::*;
 use crate::geometry::voxel::Cells;
 use crate::scene::body::CubeShape;
 use crate::scene::{Obstacle, Scene, Shape};
 
-/// A cube of 2³ cells of half a metre, its middle at a height, over the ground.
+/// A cube of 2³ cells of half a metre, with its middle at a height above the ground.
 fn cube(height: f64) -> (Scene, Simulation<f32>) {
     let mut body = Body { shape: Shape::Cube(CubeShape { cells: 2, size: 1.0 }), ..Body::default() };
     body.pose.position = [0.0, height, 0.0];

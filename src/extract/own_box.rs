@@ -8,13 +8,13 @@ use crate::math::{Aabb, rotation};
 use crate::view::overlay::{Lines, Overlay, Segment};
 use crate::view::style::Tint;
 
-/// What is left of it behind other things.
+/// How much of it shows behind other things.
 const HIDDEN: f32 = 0.35;
-/// How far a box reaches at most beyond the body at rest, in sizes of the body: a picture need not show how far it goes on.
+/// How far a box reaches at most beyond the body at rest, in sizes of the body: a picture need not show all of it.
 const BEYOND: f64 = 0.25;
 
-/// Draws the edges of a box from `min` to `max` (m, in the body's own coordinates) as the body as a whole has been moved and
-/// turned; `particles` are where its particles are now. Nothing of a box that holds nothing.
+/// Draws the edges of a box from `min` to `max` (m, in the body's own coordinates), moved and turned as the body as a whole
+/// is now. `particles` are the present places of the body's particles. An empty box is not drawn.
 pub fn add_own_box(overlay: &mut Overlay, lattice: &Lattice, particles: &[[f32; 3]], [min, max]: [[f64; 3]; 2]) {
     let lines = own_box(lattice, particles, DVec3::from(min), DVec3::from(max));
     overlay.lines.extend(lines);
@@ -45,7 +45,7 @@ mod tests {
     use crate::geometry::voxel::Cells;
     use crate::view::overlay::LineEnds;
 
-    /// The ends of all edges of a box of a cube of 2 m, which has been moved and turned.
+    /// The ends of all edges of a box in a cube of 2 m that has been moved and turned.
     fn ends([min, max]: [[f64; 3]; 2]) -> Vec<Vec3> {
         let lattice = Lattice::new(&Cells::cube(2, 1.0).expect("a small cube"));
         let turned = rotation::from_euler_deg([0.0, 0.0, 90.0]);
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn a_box_is_where_its_part_of_the_body_is() {
-        // The half towards +x is above when x has been turned to y.
+        // Since x has been turned to y, the half towards +x is above.
         let upper = ends([[0.0, -1.0, -1.0], [1.0, 1.0, 1.0]]);
         assert_eq!(upper.len(), 24, "twelve edges");
         let heights = upper.iter().map(|end| end.y);

@@ -1,11 +1,10 @@
-//! What a body is coloured by: the quantity of the simulation that a colour map of the document shows.
+//! The quantities that bodies are coloured by: those of the simulation that a colour map of the document shows.
 
 use crate::math::Real;
 use crate::physics::{Quantity, Simulation};
 use crate::scene::ColorBy;
 
-/// The scalar of every particle in the unit of [`ColorBy::unit`]; none where no map is shown: nothing is computed that is
-/// not looked at.
+/// The scalar of every particle in the unit of [`ColorBy::unit`]; `None`, without any computation, if no map is shown.
 pub fn scalars<R: Real>(simulation: &Simulation<R>, color: ColorBy) -> Option<Vec<f32>> {
     let quantity = match color {
         ColorBy::Plain | ColorBy::Model => return None,

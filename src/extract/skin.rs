@@ -10,26 +10,26 @@ use crate::geometry::{Lattice, Paint, Shading, TriMesh};
 use crate::math::picture::Texture;
 use crate::view::{Skin, SkinTextures, SkinVertex, TexturedRun};
 
-/// Faces of a mesh that meet at a smaller angle than this share a smooth normal; at a larger one there is a crease.
+/// Faces of a mesh that meet at a smaller angle share a smooth normal; at a larger angle there is a crease.
 const CREASE_DEG: f64 = 40.0;
 
-/// A vertex farther than this from its cell, in cells, is not carried by it: extrapolation would throw it about. The
-/// surface of a body filled by its cells' centres lies up to a cell outside.
+/// A vertex farther than this from its cell, in cells, is not carried: extrapolation would throw it about. The surface of a
+/// body whose cells were chosen by their centres lies up to a cell outside.
 const FARTHEST_CELLS: f64 = 1.5;
 
-/// A particle's neighbours within the patch of outer faces of one direction, along the patch's two axes.
+/// The neighbours of a particle within the outer faces of one direction, along the two axes of these faces.
 #[derive(Clone, Copy, Debug, Default)]
 struct Patch {
     /// The vertex of the skin, one per particle and direction.
     vertex: Option<u32>,
-    /// The neighbours before and after along u, then along v.
+    /// The neighbours before and after the particle along u, then along v.
     neighbours: [[Option<u32>; 2]; 2],
 }
 
-/// The outer faces of a body's cells (GC §3.2), two triangles each. Particle `p` of the lattice is particle
-/// `first_particle + p` of the draw list.
+/// Makes the skin of the outer faces of a body's cells (GC §3.2), two triangles each. Particle `p` of the lattice is
+/// particle `first_particle + p` of the draw list.
 ///
-/// A particle is one vertex for each direction its faces have: smooth across a face of the body, crisp at its edges.
+/// A particle is one vertex for each direction of its faces: smooth across a side of the body, crisp at its edges.
 pub fn cells_skin(lattice: &Lattice, first_particle: u32) -> Skin {
     let filled = lattice.places();
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
@@ -76,7 +76,7 @@ impl Patch {
         let mut used = 1;
         for (axis, ends) in self.neighbours.iter().enumerate() {
             for (end, sign) in ends.iter().zip([-1.0, 1.0]) {
-                // At the rim of the patch the particle itself stands in for the missing neighbour.
+                // At the rim of the patch, the particle itself replaces the missing neighbour.
                 let slot = end.map_or(0, |neighbour| {
                     vertex.particles[used] = first_particle + neighbour;
                     used += 1;
@@ -107,7 +107,7 @@ impl Direction {
         Self { axis: 2, positive: true },
     ];
 
-    /// The cell next to this one, if the grid has it.
+    /// The cell next to this one, if the grid has one there.
     fn step(self, mut cell: [u32; 3], dims: [u32; 3]) -> Option<[u32; 3]> {
         let next = if self.positive { cell[self.axis].checked_add(1) } else { cell[self.axis].checked_sub(1) };
         cell[self.axis] = next.filter(|&next| next < dims[self.axis])?;
@@ -130,12 +130,12 @@ impl Direction {
     }
 }
 
-/// A model's mesh, given in the lattice's own coordinates, carried by the cells around it; every vertex moves with the
-/// eight particles of one cell. Vertices are split where faces have other colours of `paint` or lie elsewhere in its pictures,
-/// and where they are not smooth by `shading` or, where that says nothing, meet at a crease.
+/// Makes the skin of a model's mesh, given in the lattice's own coordinates. Every vertex moves with the eight particles of
+/// one cell near it. Vertices are split where faces differ in their colours of `paint` or in their places in its pictures,
+/// and where they are not smooth according to `shading` or, where that says nothing, meet at a crease.
 ///
-/// Parts of the mesh whose cells were dropped are left out: nothing carries them. Particle `p` of the lattice is
-/// particle `first_particle + p` of the draw list. Empty where the lattice has no cells.
+/// Parts of the mesh whose cells were dropped are left out: nothing carries them. Particle `p` of the lattice is particle
+/// `first_particle + p` of the draw list. Empty if the lattice has no cells.
 pub fn model_skin(
     lattice: &Lattice,
     mesh: &TriMesh,
@@ -164,7 +164,7 @@ pub fn model_skin(
     }
 }
 
-/// The triangles of a mesh but those that reach too far from any cell.
+/// The triangles of a mesh without those that reach too far from any cell.
 fn near_cells(mesh: &TriMesh, embeddings: &[Embedding]) -> Vec<usize> {
     let is_near = |vertex: &u32| embeddings[*vertex as usize].outside <= FARTHEST_CELLS;
     (0..mesh.triangles.len()).filter(|&triangle| mesh.triangles[triangle].iter().all(is_near)).collect()
@@ -191,11 +191,11 @@ fn embedded_vertex(
 struct CreasedMesh {
     corners: Vec<Corner>,
     triangles: Vec<[u32; 3]>,
-    /// Of every triangle, as far as one has any.
+    /// The pictures of triangles, by index; triangles beyond the end have none.
     textures: Vec<Option<u16>>,
 }
 
-/// A vertex of the source with one of its normals and colours, and of its places in a picture.
+/// A vertex of the source with one of its normals, colours and places in a picture.
 struct Corner {
     vertex: u32,
     normal: DVec3,
@@ -204,7 +204,7 @@ struct Corner {
 }
 
 impl CreasedMesh {
-    /// Puts the triangles in the order of their pictures, those without any first.
+    /// Sorts the triangles by their pictures, those without any first.
     fn by_texture(&mut self, textures: &[Texture]) -> Option<SkinTextures> {
         let number = |triangle: usize| self.textures.get(triangle).copied().flatten();
         let mut order: Vec<usize> = (0..self.triangles.len()).collect();
@@ -260,7 +260,7 @@ fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>, shading: Opti
                 .filter(|(_, other)| *other == group)
                 .map(|&(face, _)| face_normals[face as usize])
                 .filter(|other| group.is_some() || other.dot(own) >= least_cos * other.length());
-            // Weighted by area: a large face tells more about the surface than a sliver.
+            // Weighted by area: a large face says more about the surface than a sliver.
             let normal = smooth.sum::<DVec3>().normalize_or(own);
             let known = &mut made[vertex as usize];
             let tint = paint.map_or(NO_TINT, |paint| paint.tint(face, vertex as usize));
@@ -279,7 +279,7 @@ fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>, shading: Opti
     CreasedMesh { corners, triangles, textures }
 }
 
-/// For every vertex the first of those at the very same position: files repeat vertices along seams.
+/// For every vertex, the first vertex at exactly the same position: files repeat vertices along seams.
 fn welded(mesh: &TriMesh) -> Vec<u32> {
     let mut order: Vec<u32> = (0..).take(mesh.positions.len()).collect();
     let at = |vertex: u32| (mesh.positions[vertex as usize] + DVec3::ZERO).to_array();
@@ -297,7 +297,7 @@ fn welded(mesh: &TriMesh) -> Vec<u32> {
     first
 }
 
-/// Twice the area times the unit normal; null for a triangle without area.
+/// Twice the area times the unit normal; zero for a triangle without area.
 fn area_normal(mesh: &TriMesh, triangle: &[u32; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
     (b - a).cross(c - a)

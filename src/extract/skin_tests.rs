@@ -226,7 +226,7 @@ fn vertices_are_split_where_colours_meet_and_nowhere_else() {
     let one = painted(&|_| red);
     assert!(one.is_painted() && one.vertices().iter().all(|vertex| vertex.tint == red), "all of it");
     assert_eq!((one.vertices().len(), one.triangles()), (bare.vertices().len(), bare.triangles()), "the same mesh");
-    // Each side of the box is two triangles with four vertices of their own: two more where these differ.
+    // Each side of the box is two triangles with four vertices of their own; two more are needed if the triangles differ.
     let two = painted(&|triangle| if triangle == 0 { blue } else { red });
     assert_eq!(two.vertices().len(), bare.vertices().len() + 2, "along one diagonal");
     for (number, corners) in two.triangles().iter().enumerate() {

@@ -7,7 +7,7 @@ use crate::math::rotation::from_euler_deg;
 use crate::scene::obstacle::{Capsule, Cylinder, Obstacle, ObstacleShape, Sphere};
 use crate::view::Solid;
 
-/// The visible obstacles of a scene after so much simulated time, in its order.
+/// The visible obstacles of a scene after this much simulated time, in the scene's order.
 pub fn solids(obstacles: &[Obstacle], secs: f64, meshes: &mut SolidMeshes) -> Vec<Solid> {
     let shown = obstacles.iter().filter(|obstacle| !obstacle.hidden);
     shown.filter_map(|obstacle| solid(obstacle, secs, meshes)).collect()

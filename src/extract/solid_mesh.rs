@@ -1,4 +1,4 @@
-//! The meshes of obstacles as things to draw: with sharp edges where faces meet sharply.
+//! The meshes of obstacles as things to draw, with creases at sharp edges.
 
 use std::sync::Arc;
 
@@ -7,13 +7,13 @@ use glam::{DVec3, Vec3};
 use crate::geometry::Surface;
 use crate::view::{SolidCorner, SolidEdge, SolidMesh};
 
-/// Faces that meet at less than this angle look round there: its cosine.
+/// The cosine of the angle below which faces meet smoothly.
 const SMOOTH: f64 = 0.8;
 
-/// How far the two sides of what has no inside are drawn apart, over its length: in one place each would shade the other.
+/// How far apart the two sides of an open mesh are drawn, over its length: at one place each would shade the other.
 const SHEET: f32 = 0.004;
 
-/// Meshes that were drawn, so that each is made once.
+/// Meshes that have been drawn, kept so that each is made once.
 #[derive(Debug, Default)]
 pub struct SolidMeshes {
     made: Vec<(Arc<Surface>, Arc<SolidMesh>)>,
@@ -25,7 +25,7 @@ impl SolidMeshes {
         if let Some((_, mesh)) = self.made.iter().find(|(known, _)| Arc::ptr_eq(known, surface)) {
             return Arc::clone(mesh);
         }
-        // Nobody else has those whose obstacles are gone.
+        // Only this list still has the surfaces whose obstacles are gone.
         self.made.retain(|(known, _)| Arc::strong_count(known) > 1);
         let mesh = Arc::new(mesh(surface));
         self.made.push((Arc::clone(surface), Arc::clone(&mesh)));

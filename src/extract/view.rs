@@ -1,13 +1,13 @@
-//! How a scene is looked at: from the document's degrees and doubles to what a renderer takes, and back.
+//! The view of a scene: from the document's degrees and doubles to the renderer's values, and back.
 
 use glam::{DVec3, Vec3};
 
 use crate::scene::view_settings::{CameraSettings, ColorBy, LightSettings};
 use crate::view::{DrawList, Legend, Light, Orbit, SafeArea};
 
-/// Round values beside a colour bar.
+/// The number of round values beside a colour bar.
 const LEGEND_TICKS: usize = 4;
-/// A floor is where bodies will be soon if they are no more than this many times their size above it.
+/// Bodies no more than this many times their size above a floor will soon be on it.
 const HIGHEST_FALL: f32 = 10.0;
 
 /// The orbit of a scene's camera.
@@ -23,8 +23,8 @@ pub fn orbit(camera: &CameraSettings) -> Orbit {
     .clamped()
 }
 
-/// The orbit from which the scene of a file is seen first, in the free part of the picture: that of its camera, or where the
-/// file says nothing of that one from which its bodies are seen whole, with what is near them and where they fall.
+/// The first orbit for the scene of a file, framed in the free area of the picture: that of its camera. If the file names no
+/// camera, the orbit shows all bodies, the things near them and the floor that they fall on.
 pub fn first_orbit(camera: &CameraSettings, picture: &DrawList, area: SafeArea) -> Orbit {
     let mut orbit = orbit(camera);
     if camera.is_unchosen() {
@@ -38,7 +38,7 @@ pub fn first_orbit(camera: &CameraSettings, picture: &DrawList, area: SafeArea) 
     orbit
 }
 
-/// The settings that an orbit corresponds to: what is saved with a scene.
+/// The settings of an orbit, as saved with a scene.
 pub fn camera_settings(orbit: &Orbit) -> CameraSettings {
     CameraSettings {
         target: orbit.target.as_dvec3().to_array(),
@@ -49,13 +49,13 @@ pub fn camera_settings(orbit: &Orbit) -> CameraSettings {
     }
 }
 
-/// The light of a scene; from above where its direction is null.
+/// The light of a scene; from above if its direction is zero.
 pub fn light(light: &LightSettings) -> Light {
     let direction = DVec3::from(light.direction).as_vec3().try_normalize().unwrap_or(Vec3::Y);
     Light { direction, color: (DVec3::from(light.color) * light.strength).as_vec3().to_array() }
 }
 
-/// The legend of the scalar shown, whose colours span `range` (in the scalar's unit); `None` where none is shown.
+/// The legend of the scalar shown, whose colours span `range` (in the scalar's unit); `None` if none is shown.
 pub fn legend(color: ColorBy, range: [f32; 2]) -> Option<Legend> {
     color.is_map().then(|| Legend::new(color.name(), color.unit(), range, LEGEND_TICKS))
 }
@@ -68,7 +68,7 @@ mod tests {
     use crate::math::Aabb;
     use crate::view::Solid;
 
-    /// A body of some metres at a height above a floor of twenty.
+    /// A body of a size, m, at a height above a floor of twenty metres.
     fn picture(size: f32, height: f32) -> DrawList {
         let particles = Arc::new(vec![[0.0, height, 0.0], [size, height + size, size]]);
         let floor = Solid::Plane { center: Vec3::ZERO, axes: [Vec3::Z, Vec3::X], half_extents: [10.0; 2] };

@@ -41,7 +41,7 @@ pub struct Embedder<'a> {
     lattice: &'a Lattice,
     /// The filled cells.
     cells: Places,
-    /// For every cell of the grid a filled cell nearby, as a lattice cell; computed when a point is far from all.
+    /// For every cell of the grid a filled cell nearby, as a lattice cell; computed once a point is far from all of them.
     nearby: std::sync::OnceLock<Vec<u32>>,
 }
 
@@ -74,7 +74,7 @@ impl<'a> Embedder<'a> {
         points.par_iter().map(|&point| self.embed(point)).collect()
     }
 
-    /// What a unit normal at a point needs to turn with the cell that the point is embedded in.
+    /// Returns the embedding of a unit normal at a point, so that it turns with the point's cell.
     pub fn embed_normal(&self, embedding: &Embedding, point: DVec3, normal: DVec3) -> NormalEmbedding {
         let grid = self.lattice.grid;
         let low = self.lattice.corners[embedding.particles[0] as usize];

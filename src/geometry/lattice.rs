@@ -58,13 +58,13 @@ pub struct Lattice {
     /// The particles of every filled cell, cells in the order of [`Grid::index`]; bit 0 of the place is x, bit 1 y,
     /// bit 2 z.
     pub cells: Vec<[u32; 8]>,
-    /// What is in every cell over its volume, in the order of `cells`; none where all are full.
+    /// How full every cell is, as a share of its volume, in the order of `cells`; none if all are full.
     pub shares: Option<Vec<f64>>,
     /// How many of the particles are not inside: fewer than eight cells meet at them.
     pub surface: usize,
-    /// The mesh that the cells were made of, in the grid's coordinates, m; none of cells that were given.
+    /// The mesh that the cells were made of, in the grid's coordinates, m; none if the cells were given.
     pub mesh: Option<Arc<TriMesh>>,
-    /// What the triangles of that mesh are called; none where its file has no names.
+    /// The named parts of that mesh; none if its file has no names.
     pub parts: Option<Arc<Parts>>,
 }
 
@@ -103,25 +103,25 @@ impl Lattice {
         Places::new(filled)
     }
 
-    /// What is in a cell over its volume.
+    /// How full a cell is, as a share of its volume.
     pub fn share(&self, cell: usize) -> f64 {
         self.shares.as_ref().map_or(1.0, |shares| shares[cell])
     }
 
-    /// What is in all cells, m³.
+    /// The volume of what is in all cells, m³.
     pub fn volume_m3(&self) -> f64 {
         let full = self.shares.as_ref().map_or(self.cells.len() as f64, |shares| shares.iter().sum());
         full * self.grid.cell_size.powi(3)
     }
 
-    /// For every cell one more than the place among `wanted` of the part of the model that it is of, 0 where it is of none of
-    /// them; none where the model names no parts. Of a part that is wanted twice the last place counts.
+    /// Returns for every cell one more than the index in `wanted` of the model's part that it belongs to, 0 if it belongs to
+    /// none of them; none if the model names no parts. For a part that is wanted twice the last index counts.
     pub fn cells_of_parts(&self, wanted: &[&str]) -> Option<Vec<u32>> {
         self.part_cells().map(|(cells, parts)| cells.chosen(&parts.names, wanted))
     }
 
-    /// The cells that are of several of them (0: of none), and which share of each is of which, the largest first; none where
-    /// the model names no parts.
+    /// Returns the cells with surface of several wanted parts (0: of none of them), with each part's share, the largest
+    /// first; empty if the model names no parts.
     pub fn cells_of_several_parts(&self, wanted: &[&str]) -> Vec<(usize, Vec<(u32, f64)>)> {
         self.part_cells().map_or_else(Vec::new, |(cells, parts)| cells.shared(&parts.names, wanted))
     }
@@ -218,14 +218,14 @@ const HOLDERS: [u8; 13] = {
     holders
 };
 
-/// What stands at the corners of filled cells.
+/// The particles at the corners of filled cells.
 struct CornerTable {
     /// The corners, seen as the cells of a grid that is one larger.
     corners: Grid,
-    /// Those that have a particle, which their numbers are.
+    /// The corners that have a particle; the number of a corner is that of its particle.
     particles: Places,
-    /// Which of the eight cells around a particle are filled: bit 0 of the bit's place says that the cell lies on the
-    /// upper side in x, bit 1 in y, bit 2 in z.
+    /// Which of the eight cells around a particle are filled: bit 0 of a bit's index says that the cell lies on the upper
+    /// side in x, bit 1 in y, bit 2 in z.
     around: Vec<u8>,
 }
 

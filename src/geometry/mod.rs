@@ -1,7 +1,6 @@
-//! Shapes to shapes, no physics: a model file becomes a triangle mesh, a mesh becomes cells of a grid, cells become
-//! the particles and links of a lattice, and points of the mesh find their place in it; a few of
-//! them stand for all of its surface. Cells are of the parts that the file names, and the mesh has the colours
-//! and pictures that the file gives it.
+//! Geometry without physics: a model file becomes a triangle mesh, the mesh becomes cells of a grid, the cells become the
+//! particles and links of a lattice, and points of the mesh are embedded in the lattice; a few sample points stand for the
+//! whole surface. Cells belong to the parts that the file names, and the mesh has the colours and pictures of the file.
 
 pub mod embed;
 pub mod import;

@@ -1,7 +1,7 @@
 //! The parts of a model by the names that its file gives: of materials, of groups, of objects.
 //!
-//! A triangle may have a name of each kind. One name means all triangles whose material has it; where no material has, those
-//! of the group of that name; else those of the object. Names are kept as a message may repeat them: printable and short.
+//! A triangle may have a name of each kind. A name means all triangles whose material has it; if no material has it, those
+//! of the group of that name; else those of the object. Names are kept printable and short, for messages.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,10 +11,10 @@ use crate::text::echo_up_to;
 /// The longest name, letters.
 const LONGEST: usize = 100;
 
-/// The most combinations of names, the one without any among them: triangles know theirs by 16 bits.
+/// The most combinations of names, the one without names included: a triangle's combination is stored in 16 bits.
 const MOST_LABELS: usize = 1 << 16;
 
-/// What a name is the name of. The first that has a name is meant by it.
+/// The kind of thing that has a name. A name that several kinds have means the first of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NameOf {
     /// A material: `usemtl` of an OBJ file, a material of a glTF file.
@@ -26,20 +26,20 @@ pub enum NameOf {
 }
 
 impl NameOf {
-    /// All of them, the first that counts first.
+    /// All kinds, in order of precedence.
     pub const ALL: [Self; 3] = [Self::Material, Self::Group, Self::Object];
 }
 
-/// The names of a triangle by [`NameOf`], places among all names.
+/// The names of a triangle by [`NameOf`], as indices into all names.
 type Label = [Option<u32>; 3];
 
-/// What the triangles of a mesh are called.
+/// The names of the triangles of a mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedParts {
     names: Arc<[String]>,
-    /// Every combination once, the first without a name.
+    /// Every combination of names once; the first is the one without names.
     labels: Vec<Label>,
-    /// The place of every triangle's names among the labels.
+    /// The index of every triangle's combination among the labels.
     of_triangle: Vec<u16>,
 }
 
@@ -49,7 +49,7 @@ impl NamedParts {
         &self.names
     }
 
-    /// The same for who keeps them.
+    /// Returns the same names to keep.
     pub fn shared_names(&self) -> Arc<[String]> {
         Arc::clone(&self.names)
     }
@@ -59,7 +59,7 @@ impl NamedParts {
         self.place(name).is_some()
     }
 
-    /// The place of a triangle's names among all labels.
+    /// Returns the index of a triangle's combination of names among all labels.
     pub fn label(&self, triangle: usize) -> u16 {
         self.of_triangle[triangle]
     }
@@ -74,19 +74,19 @@ impl NamedParts {
         self.labels.len()
     }
 
-    /// Whether each label is of the part that a name means.
+    /// Whether each label belongs to the part that a name means.
     pub(super) fn is_of(&self, name: &str) -> impl Iterator<Item = bool> {
         let place = self.place(name);
         let kind = place.and_then(|place| self.kind(place)).map_or(0, |kind| kind as usize);
         self.labels.iter().map(move |label| place.is_some() && label[kind] == place)
     }
 
-    /// The place of each label's name of a kind.
+    /// Returns the index of each label's name of a kind.
     pub(super) fn places(&self, kind: NameOf) -> impl Iterator<Item = Option<u32>> {
         self.labels.iter().map(move |label| label[kind as usize])
     }
 
-    /// What every name is the name of.
+    /// Returns the kind that every name means.
     pub(super) fn kinds(&self) -> Vec<NameOf> {
         let mut kinds = vec![NameOf::Object; self.names.len()];
         for kind in NameOf::ALL.into_iter().rev() {
@@ -107,11 +107,11 @@ impl NamedParts {
     }
 }
 
-/// Gathers what triangles are called while a file is read.
+/// Collects the names of triangles while a file is read.
 #[derive(Clone, Debug)]
 pub(super) struct Namer {
     now: [String; 3],
-    /// The label of what is called so now, once that was asked for.
+    /// The label of the names in `now`, once it was looked up.
     label: Option<u16>,
     name_places: BTreeMap<String, u32>,
     label_places: BTreeMap<Label, u16>,
@@ -133,13 +133,13 @@ impl Namer {
         }
     }
 
-    /// What follows has this name; an empty one is none.
+    /// Gives the triangles that follow this name; an empty one is none.
     pub(super) fn call(&mut self, kind: NameOf, name: &str) {
         self.now[kind as usize] = clean(name);
         self.label = None;
     }
 
-    /// The label of what follows.
+    /// Returns the label of the triangles that follow.
     pub(super) fn label(&mut self) -> u16 {
         if let Some(label) = self.label {
             return label;
@@ -149,13 +149,13 @@ impl Namer {
         label
     }
 
-    /// What is said of a file with more names than are kept.
+    /// Returns the warning about a file with more names than are kept.
     pub(super) fn warning(&self) -> Option<String> {
         let said = || format!("the model has more than {MOST_LABELS} parts with names of their own; the rest has none");
         self.has_too_many.then(said)
     }
 
-    /// The names of triangles that have these labels; none where none has a name.
+    /// Returns the names of triangles with these labels; none if no triangle has a name.
     pub(super) fn finish(self, of_triangle: Vec<u16>) -> Option<NamedParts> {
         let Self { names, labels, .. } = self;
         (labels.len() > 1).then(|| NamedParts { names: names.into(), labels, of_triangle })
@@ -197,7 +197,7 @@ pub(super) fn clean(name: &str) -> String {
 mod tests {
     use super::*;
 
-    /// The parts of triangles that are called so: material, group and object of each.
+    /// The named parts of triangles with these names: material, group and object of each.
     pub(in crate::geometry) fn named(triangles: &[[&str; 3]]) -> Option<NamedParts> {
         let mut namer = Namer::new();
         let labels = triangles.iter().map(|names| {

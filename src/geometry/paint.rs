@@ -1,17 +1,17 @@
-//! What a model looks like by its own file: the colours of its vertices, and the colours and pictures of its triangles by
+//! The look of a model according to its file: the colours of its vertices, and the colours and pictures of its triangles by
 //! their materials.
 
 use super::texturing::{TexturePlace, Texturing};
 use crate::math::color::{linear_from_srgb, srgb_from_linear};
 use crate::math::picture::Texture;
 
-/// An sRGB colour and 255; all 0 where there is none.
+/// An sRGB colour followed by 255; all 0 if there is none.
 pub type Tint = [u8; 4];
 
 /// No colour.
 pub const NO_TINT: Tint = [0; 4];
 
-/// What leaves a picture as it is.
+/// The tint that leaves a picture as it is.
 const WHITE: Tint = [255; 4];
 
 /// The colours of a mesh.
@@ -26,7 +26,7 @@ pub struct Paint {
 }
 
 impl Paint {
-    /// The colours of all vertices and all triangles, and the pictures of these; none where nothing has any.
+    /// Takes the colours of all vertices and triangles, and the pictures of the triangles; none if nothing has any.
     pub fn new(vertices: Vec<Tint>, triangles: Vec<Tint>, texturing: Option<Texturing>) -> Option<Self> {
         let if_any = |tints: Vec<Tint>| if tints.iter().all(|&tint| tint == NO_TINT) { Vec::new() } else { tints };
         let (vertices, triangles) = (if_any(vertices), if_any(triangles));
@@ -34,8 +34,8 @@ impl Paint {
         is_painted.then_some(Self { vertices, triangles, texturing })
     }
 
-    /// The colour of a vertex as a corner of a triangle. Where both have one, each takes its share of the light, as
-    /// glTF has it. A picture is to be multiplied by it, so that it is white where only that gives colour.
+    /// Returns the colour of a vertex as a corner of a triangle. If both have one, each takes its share of the light, as in
+    /// glTF. A picture is multiplied by this colour, so it is white if only a picture gives colour.
     pub fn tint(&self, triangle: usize, vertex: usize) -> Tint {
         let own = self.vertices.get(vertex).copied().unwrap_or(NO_TINT);
         let material = self.triangles.get(triangle).copied().unwrap_or(NO_TINT);
@@ -54,12 +54,12 @@ impl Paint {
         self.texturing.as_ref().map_or(&[], Texturing::textures)
     }
 
-    /// The picture of a triangle, a place among the textures, and where its corners lie in it; none where it has none.
+    /// Returns the index of a triangle's texture and where its corners lie in it; none if it has none.
     pub fn texture(&self, triangle: usize) -> Option<(u16, [TexturePlace; 3])> {
         self.texturing.as_ref()?.of(triangle)
     }
 
-    /// Takes pictures from others where they have the very same, so that each is in memory once.
+    /// Replaces pictures by equal ones of others, so that each is in memory once.
     pub fn share_pictures<'a>(&mut self, others: impl Iterator<Item = &'a Self>) {
         if let Some(texturing) = &mut self.texturing {
             texturing.share(others.filter_map(|other| other.texturing.as_ref()));
@@ -67,7 +67,7 @@ impl Paint {
     }
 }
 
-/// The colour of sRGB channels of 0..1, which are clipped; none where one is no number.
+/// Returns the colour of sRGB channels, clipped to 0..1; no colour if a channel is not finite.
 pub(super) fn tint_of_srgb(channels: [f64; 3]) -> Tint {
     if channels.iter().any(|channel| !channel.is_finite()) {
         return NO_TINT;
@@ -77,7 +77,7 @@ pub(super) fn tint_of_srgb(channels: [f64; 3]) -> Tint {
     [red, green, blue, 255]
 }
 
-/// The colour of linear channels of 0..1, which are clipped; none where one is no number.
+/// Returns the colour of linear channels, clipped to 0..1; no colour if a channel is not finite.
 pub(super) fn tint_of_linear(channels: [f32; 3]) -> Tint {
     if channels.iter().any(|channel| !channel.is_finite()) {
         return NO_TINT;

@@ -1,8 +1,8 @@
-//! Which cells of a model are of which of its named parts.
+//! Finds the named part that each cell of a model belongs to.
 //!
-//! A cell is of the part that most of the surface in it is of, by area; what of the surface is in an empty cell goes in equal
-//! parts to the filled cells beside it. A cell without surface is as the nearest one that has some, on a way through
-//! the faces of cells; of those equally near as the first. What no such way leads to is of no part.
+//! A cell belongs to the part with the most surface area in it. Surface in an empty cell counts in equal parts for the
+//! filled cells beside it. A cell without surface takes the part of the nearest cell with surface, along a path through the
+//! faces of cells; of equally near cells the first counts. A cell that no such path leads to belongs to no part.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -16,10 +16,10 @@ use super::places::Places;
 use super::voxel::Grid;
 use super::voxel::pieces::{Divider, takers};
 
-/// The parts of a body, and its cells by them once somebody asks.
+/// The parts of a body, and its cells by part, found on first use.
 #[derive(Debug)]
 pub struct Parts {
-    /// What triangles are called.
+    /// The names of the triangles.
     pub names: NamedParts,
     cells: OnceLock<PartCells>,
 }
@@ -29,42 +29,42 @@ pub struct Parts {
 pub struct PartCount {
     /// Its name.
     pub name: String,
-    /// The cells that are of it rather than of other materials, or groups, or objects.
+    /// The cells that belong to it and not to another part of its kind (material, group or object).
     pub cells: usize,
 }
 
 impl Parts {
-    /// With cells yet to be found.
+    /// Takes the names; the cells are found later.
     pub fn new(names: NamedParts) -> Self {
         Self { names, cells: OnceLock::new() }
     }
 
-    /// The cells; `find` is asked once.
+    /// Returns the cells; `find` is called once.
     pub(super) fn cells(&self, find: impl FnOnce(&NamedParts) -> PartCells) -> &PartCells {
         self.cells.get_or_init(|| find(&self.names))
     }
 }
 
-/// The longest edge of a piece of the surface that is in one cell, in cells: what is in a cell is known to a sixteenth of its
-/// face.
+/// The longest edge of a piece of the surface that counts for one cell, in cells: the surface in a cell is known to a
+/// sixteenth of its face.
 const PIECE: f64 = 0.125;
 
-/// Stands where there is no cell.
+/// No cell.
 const NONE: u32 = u32::MAX;
 
-/// The surface in the cells of a model, by what it is called.
+/// The surface in the cells of a model, by the label of its names.
 #[derive(Debug)]
 pub struct PartCells {
     /// Labels and their areas (squares of cells), by cell.
     areas: Vec<(u16, f64)>,
-    /// Where those of a cell begin; one more for the end.
+    /// Where the entries of each cell begin in `areas`; one more for the end.
     begin: Vec<u32>,
-    /// The cell that each is like: itself where there is surface in it.
+    /// The cell whose part each cell takes: itself if there is surface in it.
     like: Vec<u32>,
 }
 
 impl PartCells {
-    /// Looks at the surface in every cell. `cells` are filled ones of the grid, ascending by [`Grid::index`]; the mesh is
+    /// Measures the surface in every cell. `cells` are filled ones of the grid, ascending by [`Grid::index`]; the mesh is
     /// within the grid.
     pub fn new(mesh: &TriMesh, names: &NamedParts, grid: &Grid, cells: &[[u32; 3]]) -> Self {
         let mut filled = FixedBitSet::with_capacity(grid.len());
@@ -97,13 +97,13 @@ impl PartCells {
         Self { areas, begin, like }
     }
 
-    /// For every cell one more than the place among `wanted` of the part that it is of, 0 where it is of none of them.
-    /// What several of them name is of the last.
+    /// Returns for every cell one more than the index in `wanted` of the part that it belongs to, 0 if it belongs to none of
+    /// them. If several names mean the same surface, the last counts.
     pub fn chosen(&self, names: &NamedParts, wanted: &[&str]) -> Vec<u32> {
         self.most(&numbers(names, wanted))
     }
 
-    /// The cells with surface of several of these numbers, and the share of its surface that is of each, the largest first.
+    /// Returns the cells with surface of several numbers, and each number's share of that surface, the largest first.
     pub fn shared(&self, names: &NamedParts, wanted: &[&str]) -> Vec<(usize, Vec<(u32, f64)>)> {
         let numbers = numbers(names, wanted);
         let several =
@@ -120,7 +120,7 @@ impl PartCells {
             .collect()
     }
 
-    /// All parts in the order of the file.
+    /// Returns all parts in the order of the file.
     pub fn counts(&self, names: &NamedParts) -> Vec<PartCount> {
         let kinds = names.kinds();
         let count_of = |name: &String| PartCount { name: name.clone(), cells: 0 };
@@ -135,7 +135,7 @@ impl PartCells {
         counts
     }
 
-    /// For every cell which number most of its surface has; 0 where there is none. `numbers` are those of the labels.
+    /// Returns for every cell the number that most of its surface has; 0 without surface. `numbers` are those of the labels.
     fn most(&self, numbers: &[u32]) -> Vec<u32> {
         let of_surface = (0..self.like.len()).map(|cell| {
             let larger = |most: (u32, f64), next: (u32, f64)| if next.1 > most.1 { next } else { most };
@@ -145,7 +145,7 @@ impl PartCells {
         self.like.iter().map(|&like| of_surface.get(like as usize).copied().unwrap_or(0)).collect()
     }
 
-    /// The surface in a cell by number; nothing of what there is none of.
+    /// Returns the area of the surface in a cell by number, without numbers that have none.
     fn sums(&self, cell: usize, numbers: &[u32]) -> Vec<(u32, f64)> {
         let mut sums: Vec<(u32, f64)> = Vec::new();
         for &(label, area) in &self.areas[self.begin[cell] as usize..self.begin[cell + 1] as usize] {
@@ -159,7 +159,7 @@ impl PartCells {
     }
 }
 
-/// For every label one more than the last place among `wanted` that means it, 0 where none does.
+/// Returns for every label one more than the last index in `wanted` that means it, 0 if none does.
 fn numbers(names: &NamedParts, wanted: &[&str]) -> Vec<u32> {
     let mut numbers = vec![0; names.labels()];
     for (name, of_name) in wanted.iter().zip(1..) {
@@ -170,7 +170,7 @@ fn numbers(names: &NamedParts, wanted: &[&str]) -> Vec<u32> {
     numbers
 }
 
-/// For every cell the nearest one that is a beginning, breadth first through faces, in the order of cells.
+/// Finds for every cell the nearest one with `is_beginning`, breadth first through faces, in the order of cells.
 fn nearest(grid: &Grid, cells: &[[u32; 3]], places: &Places, is_beginning: impl Fn(usize) -> bool) -> Vec<u32> {
     let mut like = vec![NONE; cells.len()];
     let mut reached: Vec<u32> = (0..).take(cells.len()).filter(|&cell| is_beginning(cell as usize)).collect();

@@ -1,4 +1,4 @@
-//! The bytes of a PNG or JPEG file to a picture. How large it says that it is is looked at before any of it is unpacked: a
+//! Decodes the bytes of a PNG or JPEG file to a picture. The size in its header is checked before anything is unpacked: a
 //! short file can stand for very many texels.
 
 use std::io::Cursor;
@@ -27,7 +27,7 @@ pub enum Opacity {
     Counts,
 }
 
-/// Why the bytes of a file give no picture. Reads on after the file's name.
+/// Why the bytes of a file give no picture. The message continues a sentence that begins with the file's name.
 #[derive(Debug, Error)]
 pub enum PictureError {
     /// In another format.
@@ -44,15 +44,15 @@ pub enum PictureError {
         /// Texels from top to bottom.
         height: u32,
     },
-    /// Damaged, or more than is unpacked.
+    /// Damaged, or takes more memory to unpack than is allowed.
     #[error("cannot be unpacked ({})", echo_up_to(&.0.to_string(), 120))]
     Broken(#[from] ImageError),
 }
 
-/// The size that a picture says it has, texels.
+/// Returns the size of a picture according to its header, texels.
 ///
 /// # Errors
-/// If it is none that is read.
+/// If the file is no picture that can be read.
 pub fn size(bytes: &[u8]) -> Result<[u32; 2], PictureError> {
     let (width, height) = opened(bytes)?.dimensions();
     match u64::from(width) * u64::from(height) {
@@ -62,10 +62,10 @@ pub fn size(bytes: &[u8]) -> Result<[u32; 2], PictureError> {
     }
 }
 
-/// The picture that a file holds.
+/// Returns the picture that a file holds.
 ///
 /// # Errors
-/// If it holds none that is read.
+/// If the file holds no picture that can be read.
 pub fn decode(bytes: &[u8], opacity: Opacity) -> Result<Picture, PictureError> {
     let size = size(bytes)?;
     let mut rgba = DynamicImage::from_decoder(opened(bytes)?)?.into_rgba8().into_raw();
@@ -75,7 +75,7 @@ pub fn decode(bytes: &[u8], opacity: Opacity) -> Result<Picture, PictureError> {
     Picture::new(size, rgba, LONGEST_SIDE).ok_or(PictureError::Empty)
 }
 
-/// A file whose header was read.
+/// Opens a file and reads its header.
 fn opened(bytes: &[u8]) -> Result<impl ImageDecoder + '_, PictureError> {
     let is_read = |format: &ImageFormat| matches!(format, ImageFormat::Png | ImageFormat::Jpeg);
     let format = image::guess_format(bytes).ok().filter(is_read).ok_or(PictureError::Format)?;
@@ -113,7 +113,7 @@ pub(crate) mod tests {
         bytes
     }
 
-    /// A PNG file that says it has so many texels, and has none.
+    /// A PNG file whose header claims this size, without the texels.
     fn claim([width, height]: [u32; 2]) -> Vec<u8> {
         let mut bytes = png([1, 1], &[[0; 4]]);
         bytes[16..20].copy_from_slice(&width.to_be_bytes());

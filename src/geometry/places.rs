@@ -1,17 +1,17 @@
-//! Numbers for some places of many, a bit and a half a place.
+//! Numbers the members of a set of places, at a bit and a half for each place that may be in it.
 
 use fixedbitset::FixedBitSet;
 
-/// Some places, numbered in their order.
+/// A set of places (indices), numbered in ascending order.
 #[derive(Clone, Debug)]
 pub(crate) struct Places {
     places: FixedBitSet,
-    /// How many there are before each block of the set.
+    /// How many places of the set come before each block.
     before: Vec<u32>,
 }
 
 impl Places {
-    /// Those of a set.
+    /// Numbers the places of a set.
     pub(crate) fn new(places: FixedBitSet) -> Self {
         let mut sum = 0;
         let mut below = |block: &usize| {
@@ -22,22 +22,22 @@ impl Places {
         Self { places, before }
     }
 
-    /// How many there are.
+    /// How many places there are.
     pub(crate) fn len(&self) -> usize {
         self.places.count_ones(..)
     }
 
-    /// Them in their order.
+    /// Iterates over the places in order.
     pub(crate) fn iter(&self) -> impl Iterator<Item = usize> {
         self.places.ones()
     }
 
-    /// Whether a place is one of them.
+    /// Whether a place is in the set.
     pub(crate) fn contains(&self, place: usize) -> bool {
         self.places.contains(place)
     }
 
-    /// The number of a place that is one of them.
+    /// Returns the number of a place; none if it is not in the set.
     pub(crate) fn number(&self, place: usize) -> Option<u32> {
         self.contains(place).then(|| {
             let [block, bit] = [place / BITS, place % BITS];

@@ -1,14 +1,15 @@
-//! Points of a mesh that stand for all of its surface, few to a cell (C8): its outermost points, spread over what of the
-//! surface is in the cell.
+//! Chooses a few points in each cell that stand for all of a mesh's surface (C8): the outermost ones, spread over the
+//! surface in the cell.
 //!
 //! ```text
-//! looked at   all vertices, and points on what lies between them, no further apart than a third of a cell
-//! taken       of each cell the point furthest out, away from the cells around it (where these are on all sides, along every
-//!             axis), then, again and again, the one furthest from those taken, until there are eight or all are near one
+//! looked at   all vertices, and points between them on the triangles, no further apart than a third of a cell
+//! taken       in each cell the point furthest out, away from the cells around it (if these are on all sides, the furthest
+//!             both ways along every axis), then repeatedly the one furthest from those taken, until there are eight or
+//!             all are near one
 //! ```
 //!
-//! What comes first is a corner of the surface, a hoof or an ear's tip, where there is one: it is what touches first. The order is that of the cells
-//! and of the mesh's file: the same mesh in the same cells has the same points.
+//! The first point of a cell is a corner of the surface, such as a hoof or an ear's tip, if there is one: it touches first.
+//! The order is that of the cells and of the mesh's file: the same mesh in the same cells has the same points.
 
 use glam::DVec3;
 
@@ -19,19 +20,19 @@ use super::{Lattice, TriMesh};
 /// The most points of a cell.
 pub const MOST_A_CELL: usize = 8;
 
-/// Points are looked at no further apart than this, in cells.
+/// The largest spacing of the points that are looked at, in cells.
 const SPACING: f64 = 1.0 / 3.0;
 
-/// Bins along the edge of a cell, of which each holds one point between vertices.
+/// Bins along the edge of a cell; each holds at most one point that is not a vertex.
 const BINS: usize = 4;
 
-/// Points of a cell are taken no nearer to each other than this, in cells.
+/// The least distance between points taken in a cell, in cells.
 const NEAREST: f64 = 0.15;
 
-/// What is further from its cell than this, in cells, belongs to a part of the mesh that has none.
+/// A point further from its cell than this, in cells, belongs to a part of the mesh without cells.
 const FURTHEST: f64 = 1.0;
 
-/// The ways along the axes.
+/// The directions along the axes.
 const AXES: [DVec3; 6] = [DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y, DVec3::NEG_Z, DVec3::Z];
 
 /// A point of a surface, carried by a cell.
@@ -43,7 +44,7 @@ pub struct SurfaceSample {
     pub weights: [f64; 8],
 }
 
-/// The points of a mesh in a lattice, given in the grid's coordinates (m), by cell.
+/// Returns the samples of a mesh in a lattice, by cell; the mesh is in the grid's coordinates (m).
 pub fn surface_samples(mesh: &TriMesh, lattice: &Lattice) -> Vec<SurfaceSample> {
     let mut looked_at = LookedAt::new(lattice);
     let mut is_used = vec![false; mesh.positions.len()];
@@ -73,7 +74,7 @@ struct LookedAt<'a> {
     cells: Places,
     cell_size: f64,
     points: Vec<Point>,
-    /// For every cell the bins of it that hold a point.
+    /// For every cell, the bins in it that hold a point.
     bins: Vec<u64>,
 }
 
@@ -89,7 +90,7 @@ impl<'a> LookedAt<'a> {
         self.points.push(point);
     }
 
-    /// Adds what of a triangle lies between its corners, in rows that begin at the corner across from its shortest edge.
+    /// Adds points of a triangle between its corners, in rows that begin at the corner across from its shortest edge.
     fn add_between(&mut self, corners: [DVec3; 3]) {
         let across = |corner: usize| corners[(corner + 1) % 3].distance(corners[(corner + 2) % 3]);
         let tip = (1..3).fold(0, |least, corner| if across(corner) < across(least) { corner } else { least });
@@ -108,7 +109,7 @@ impl<'a> LookedAt<'a> {
         }
     }
 
-    /// Into how many parts a length (m) is divided, at least one.
+    /// Returns the number of parts into which a length (m) is divided, at least one.
     fn parts(&self, length: f64) -> u32 {
         #[expect(
             clippy::cast_possible_truncation,
@@ -133,9 +134,9 @@ impl<'a> LookedAt<'a> {
         Some(Point { cell: embedding.cell, at, weights: embedding.weights })
     }
 
-    /// Those that are taken, by cell.
+    /// Takes points of every cell and returns them by cell.
     fn taken(mut self) -> Vec<SurfaceSample> {
-        // Stable: within a cell they stay in the mesh's order.
+        // The sort is stable: within a cell points stay in the mesh's order.
         self.points.sort_by_key(|point| point.cell);
         let least = NEAREST * self.cell_size;
         let (mut taken, mut distance) = (Vec::new(), Vec::new());
@@ -172,13 +173,13 @@ impl<'a> LookedAt<'a> {
     }
 }
 
-/// The place of the largest of some numbers, the first where several are.
+/// Returns the index of the largest number, the first of equal ones.
 fn largest(of: impl Iterator<Item = f64>) -> usize {
     let larger = |best: (usize, f64), next: (usize, f64)| if next.1 > best.1 { next } else { best };
     of.enumerate().fold((0, f64::NEG_INFINITY), larger).0
 }
 
-/// Away from the filled cells around a cell; nothing where they are as many on either side.
+/// Returns the way out from the filled cells around a cell; zero if there are as many on either side.
 fn outward(lattice: &Lattice, cells: &Places, cell: u32) -> DVec3 {
     let (low, dims) = (lattice.low(cell), lattice.grid.dims);
     let around = (0..27_u32).filter_map(|number| {

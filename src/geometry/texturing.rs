@@ -11,15 +11,15 @@ pub type TexturePlace = [f32; 2];
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texturing {
     textures: Vec<Texture>,
-    /// Of every triangle, a place among the textures.
+    /// For every triangle, the index of its texture.
     of_triangles: Vec<Option<u16>>,
-    /// Of every triangle.
+    /// For every triangle, where its corners lie in its texture.
     corners: Vec<[TexturePlace; 3]>,
 }
 
 impl Texturing {
-    /// Of all triangles: the texture of each, by its place, and where its corners lie in it. A triangle whose texture is not
-    /// there, or whose corners lie nowhere, has none; nothing where no triangle has any.
+    /// Takes, for every triangle, the index of its texture and where its corners lie in it. A triangle has no texture if the
+    /// index is out of range or a corner is not finite. None if no triangle has a texture.
     pub fn new(
         textures: Vec<Texture>,
         mut of_triangles: Vec<Option<u16>>,
@@ -39,13 +39,13 @@ impl Texturing {
         &self.textures
     }
 
-    /// The texture of a triangle by its place, and where its corners lie in it; none where it has none.
+    /// Returns the index of a triangle's texture and where its corners lie in it; none if it has none.
     pub fn of(&self, triangle: usize) -> Option<(u16, [TexturePlace; 3])> {
         let texture = self.of_triangles.get(triangle).copied().flatten()?;
         Some((texture, self.corners[triangle]))
     }
 
-    /// Takes pictures from others where they have the very same, so that each is in memory once.
+    /// Replaces pictures by equal ones of others, so that each is in memory once.
     pub(super) fn share<'a>(&mut self, others: impl Iterator<Item = &'a Self>) {
         let known: Vec<&Arc<Picture>> =
             others.flat_map(|other| &other.textures).map(|texture| &texture.picture).collect();

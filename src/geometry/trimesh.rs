@@ -1,4 +1,4 @@
-//! A bag of triangles: no promise of being closed, connected or oriented. Says what it is like.
+//! A bag of triangles, not necessarily closed, connected or oriented, and facts about it.
 
 use std::borrow::Cow;
 
@@ -15,8 +15,8 @@ pub struct TriMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// What a mesh is like once vertices at exactly equal positions are taken as one. Triangles that then have two equal
-/// corners bound nothing and are left out.
+/// Facts about a mesh once vertices at exactly equal positions are taken as one. Triangles that then have two equal corners
+/// bound nothing and are left out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshFacts {
     /// Edges of exactly one triangle.
@@ -50,7 +50,7 @@ impl TriMesh {
             if longest == 0.0 {
                 return true;
             }
-            // Scaled first: the square of a huge or tiny length is not a number we can hold.
+            // Scaled first: the square of a huge or tiny length may overflow or vanish.
             ((b - a) / longest).cross((c - a) / longest).length() <= 1e-12
         })
     }
@@ -143,7 +143,7 @@ pub(crate) struct DisjointSets {
 }
 
 impl DisjointSets {
-    /// Every number below `len` alone.
+    /// Puts every number below `len` into a set of its own.
     pub(crate) fn new(len: usize) -> Self {
         Self { parent: (0..).take(len).collect() }
     }

@@ -30,12 +30,12 @@ pub enum UpAxis {
     MinusX,
 }
 
-/// A side is stood on where the centre lies this far within the hull of what touches the ground, as a share of the
-/// footprint's size. Models made to stand reach 0.1 to 0.5.
+/// A model stands on a side if its centre lies at least this far within the hull of what touches the ground, as a share of
+/// the footprint's size. Models made to stand reach 0.1 to 0.5.
 const STANDS: f64 = 0.05;
-/// A side is toppled from where the centre lies less than this within the hull. Between the two nothing is said.
+/// A model topples from a side if its centre lies less than this within the hull. Between the two limits nothing is decided.
 const TOPPLES: f64 = 0.02;
-/// What is this near to the lowest point touches the ground, as a share of the height.
+/// Points within this share of the height above the lowest point touch the ground.
 const TOUCHES: f64 = 0.01;
 /// A relief with a flat back stands on it, but is not meant to: at least this share of the longest extent must be
 /// height.
@@ -58,7 +58,7 @@ impl UpAxis {
         }
     }
 
-    /// The axis itself: what it was, or the one guessed for a mesh.
+    /// Returns this axis, or for `Auto` the one guessed for a mesh.
     pub fn found(self, mesh: &TriMesh) -> Self {
         match self {
             Self::Auto if is_z_up(mesh) => Self::Z,
@@ -67,7 +67,7 @@ impl UpAxis {
         }
     }
 
-    /// A point of the model once this axis points up: turned by quarters, so that nothing is rounded.
+    /// Returns a point of the model after this axis is turned up: by quarter turns, so that nothing is rounded.
     fn turned(self, DVec3 { x, y, z }: DVec3) -> DVec3 {
         match self {
             Self::Auto | Self::Y => DVec3::new(x, y, z),
@@ -100,8 +100,8 @@ fn is_z_up(mesh: &TriMesh) -> bool {
         && [UpAxis::Y, UpAxis::MinusY].iter().all(|&up| steadiness(mesh, up) < TOPPLES)
 }
 
-/// How far within the hull of what touches the ground the centre of the surface lies, as a share of the footprint's
-/// size; negative outside, −1 where nothing spans a hull.
+/// Returns how far the centre of the surface lies within the hull of what touches the ground, as a share of the footprint's
+/// size; negative outside, −1 if there is no hull.
 fn steadiness(mesh: &TriMesh, up: UpAxis) -> f64 {
     let used = || mesh.triangles.iter().flatten().map(|&vertex| up.turned(mesh.positions[vertex as usize]));
     let (low, high) = used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));

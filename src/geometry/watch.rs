@@ -1,20 +1,20 @@
-//! How long work tells how far it is and hears that nobody wants it any more. Knows no progress bar and no thread.
+//! How long work reports its progress and learns that it is cancelled. Knows no progress bar and no thread.
 
 /// Someone who waits for long work. `()` waits in silence.
 pub trait Watch: Sync {
-    /// Hears how far the work is, 0..1, never falling. It is told between pieces of work, so that it may take its time and
-    /// leave the processors to others.
+    /// Receives the progress of the work, 0..1, never falling. It is called between pieces of work, so that it may take its
+    /// time and leave the processors to others.
     fn progress(&self, _fraction: f64) {}
 
-    /// Hears how many particles there will be.
+    /// Receives the number of particles that there will be.
     fn expect_particles(&self, _count: usize) {}
 
-    /// Whether the work should stop; it then returns its `Cancelled` error soon. It answers at once.
+    /// Whether the work should stop; the work then returns its `Cancelled` error soon. This answers at once.
     fn cancelled(&self) -> bool {
         false
     }
 
-    /// Whether it may ever ask for that.
+    /// Whether [`Watch::cancelled`] may ever be true.
     fn may_cancel(&self) -> bool {
         true
     }
@@ -26,7 +26,7 @@ impl Watch for () {
     }
 }
 
-/// Watches over a part of longer work.
+/// Watches a part of longer work and reports its progress as that of the whole.
 #[derive(Clone, Copy)]
 pub(crate) struct Portion<'a> {
     watch: &'a dyn Watch,
@@ -59,14 +59,14 @@ impl Watch for Portion<'_> {
     }
 }
 
-/// Hands on how far work is as far as that rises: what reads several files begins anew with each.
+/// Passes progress on only where it rises: reading several files begins anew with each.
 pub(crate) struct Rising<'a> {
     watch: &'a dyn Watch,
     most: std::sync::Mutex<f64>,
 }
 
 impl<'a> Rising<'a> {
-    /// For who waits.
+    /// Passes progress on to `watch`.
     pub(crate) fn new(watch: &'a dyn Watch) -> Self {
         Self { watch, most: std::sync::Mutex::new(0.0) }
     }
@@ -90,7 +90,7 @@ impl Watch for Rising<'_> {
     }
 }
 
-/// Hands on nothing but that nobody waits any more: for what runs beside work that tells how far it is.
+/// Passes on only cancellation, not progress: for work beside other work that reports its own.
 pub(crate) struct CancelOnly<'a>(pub(crate) &'a dyn Watch);
 
 impl Watch for CancelOnly<'_> {
@@ -117,7 +117,7 @@ impl<'a> Pieces<'a> {
         Self { watch, done: std::sync::Mutex::new(0), total, span }
     }
 
-    /// One more piece is done. Whether to go on.
+    /// Counts one more piece as done. Returns whether to go on.
     pub(crate) fn advance(&self) -> bool {
         // A poisoned lock means that a watcher panicked elsewhere; the count is still good.
         let mut done = self.done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);

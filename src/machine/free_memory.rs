@@ -5,6 +5,6 @@
 pub struct FreeMemory {
     /// How much, bytes.
     pub bytes: u64,
-    /// Who says so, for a sentence.
+    /// What limits it, for a sentence.
     pub whose: &'static str,
 }

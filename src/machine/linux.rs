@@ -1,5 +1,5 @@
-//! Memory on Linux: what the machine has left (`/proc/meminfo`), what the control groups of the process leave of it
-//! (both versions of them), and what `ulimit` does.
+//! Memory on Linux: what the machine has left (`/proc/meminfo`), and what remains of it under the control groups of the
+//! process (both versions of them) and under `ulimit`.
 
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,7 @@ pub(super) fn peak() -> Option<u64> {
     kibibytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// A line such as `VmSize:    1234 kB`, bytes.
+/// Parses a line such as `VmSize:    1234 kB`, to bytes.
 fn kibibytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     line.split_whitespace().next()?.parse::<u64>().ok()?.checked_mul(1024)
@@ -62,7 +62,7 @@ fn left_in_group(folder: &Path, [most, used, reclaimable]: [&str; 3]) -> Option<
     // "max" is no number: there is no limit.
     let most = number(most)?;
     let stat = fs::read_to_string(folder.join("memory.stat")).unwrap_or_default();
-    // Files kept in memory make room where it is needed.
+    // Cached files make room when memory is needed.
     let files = stat.lines().find_map(|line| line.strip_prefix(reclaimable)?.trim().parse::<u64>().ok()).unwrap_or(0);
     Some(most.saturating_sub(number(used)?.saturating_sub(files)))
 }

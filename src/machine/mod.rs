@@ -1,5 +1,5 @@
-//! What the machine has to give: memory, asked for before a scene is built, so that it is refused in words instead of the
-//! process being killed; and threads that are awake when there is work for them.
+//! The resources of the machine: free memory, checked before a scene is built so that a large scene is refused in words
+//! instead of the process being killed; and threads that are awake when there is work for them.
 
 mod free_memory;
 #[cfg(target_os = "linux")]
@@ -11,10 +11,10 @@ use std::sync::OnceLock;
 
 pub use free_memory::FreeMemory;
 
-/// What a person allows instead of what is free, bytes.
+/// The bytes that the user allows instead of what is free.
 static ALLOWED: OnceLock<u64> = OnceLock::new();
 
-/// Lets this process take so many bytes, whatever is free. Counts once in a process.
+/// Lets this process take this many bytes, whatever is free. Only the first call counts.
 pub fn allow(bytes: u64) {
     if ALLOWED.set(bytes).is_err() {
         log::debug!("how much memory may be taken was said before");

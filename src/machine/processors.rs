@@ -1,8 +1,8 @@
 //! Threads that work together, each on a processor of its own.
 //!
-//! A system that wakes a thread may put it on the processor of the one that woke it though another is free. There the two
-//! take turns, and as one that waits offers the processor again and again, the system takes both for too lately at work to
-//! move: on Linux 6 they stay together for milliseconds, as long as the work.
+//! A system may wake a thread on the processor of the thread that woke it although another processor is free. There the two
+//! take turns. As the waiting one yields again and again, the system considers both too recently active to move: on Linux 6
+//! they stay together for milliseconds, as long as the work takes.
 
 #[cfg(target_os = "linux")]
 use std::sync::Mutex;
@@ -10,7 +10,7 @@ use std::sync::Mutex;
 #[cfg(target_os = "linux")]
 use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
 
-/// The processors that threads which work together are on.
+/// The processors taken by threads that work together.
 #[derive(Debug, Default)]
 pub(super) struct Processors {
     #[cfg(target_os = "linux")]
@@ -18,8 +18,8 @@ pub(super) struct Processors {
 }
 
 impl Processors {
-    /// Lets the calling thread go on on a processor that none of the others is on, if it may be on one. It is not bound to
-    /// it, nor is anything done where the system does not tell.
+    /// Moves the calling thread to a processor that none of the others is on, if it is allowed to be on one. The thread is
+    /// not bound to it. Does nothing if the system does not tell.
     #[cfg(target_os = "linux")]
     pub(super) fn take_one(&self) {
         let Ok(mut taken) = self.taken.lock() else { return };
@@ -33,7 +33,7 @@ impl Processors {
             for processor in (0..CpuSet::MAX_CPU).filter(|processor| taken.is_set(*processor)) {
                 free.unset(processor);
             }
-            // Where it may be on no other processor, or is forbidden to choose, it stays.
+            // If it may be on no other processor, or is forbidden to choose, the thread stays.
             if free.count() > 0 && sched_setaffinity(None, &free).is_ok() {
                 here = sched_getcpu();
                 if sched_setaffinity(None, &allowed).is_err() {
@@ -46,7 +46,7 @@ impl Processors {
         }
     }
 
-    /// Nothing is known of processors here.
+    /// Does nothing: the processors of other systems are not known.
     #[cfg(not(target_os = "linux"))]
     #[expect(clippy::unused_self, reason = "as on Linux")]
     pub(super) fn take_one(&self) {}
@@ -64,8 +64,8 @@ mod tests {
             scope.spawn(|| {
                 let allowed = sched_getaffinity(None).expect("Linux tells");
                 let processors = Processors::default();
-                // The processor that this thread is on is taken by another until it goes: at most as many times as there
-                // are processors.
+                // From the second call on the processor of this thread is taken, and it moves to another: as many calls as
+                // there are processors.
                 for _ in 0..allowed.count() {
                     processors.take_one();
                     assert_eq!(sched_getaffinity(None), Ok(allowed), "it is bound to none");

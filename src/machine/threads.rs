@@ -1,5 +1,5 @@
-//! Threads of a pool that are kept awake while someone has short work for them again and again: one that has gone to sleep
-//! takes tens of microseconds to wake, as long as a piece of a step.
+//! Threads of a pool that are kept awake while short work for them comes again and again: a sleeping thread takes tens of
+//! microseconds to wake, as long as a piece of a step.
 
 use std::hint::spin_loop;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -9,10 +9,10 @@ use rayon::Yield;
 
 use super::processors::Processors;
 
-/// How often work that is waited for is looked at before the processor is offered to others: some microseconds.
+/// Checks of awaited work before the thread yields its processor: some microseconds.
 const SPINS: usize = 200;
 
-/// Says that something is done, also where it panics.
+/// Sets a flag when it is dropped, also by a panic.
 struct Done<'a>(&'a AtomicBool);
 
 impl Drop for Done<'_> {
@@ -21,8 +21,8 @@ impl Drop for Done<'_> {
     }
 }
 
-/// Does some work with as many threads of the pool it is asked in awake as are wanted, this one among them; just does it
-/// elsewhere, or where one is enough. Those that wait leave the processors to whoever else wants them.
+/// Does some work with `threads` threads of the current pool awake, the calling one included. Outside of a pool, or if one
+/// thread is enough, it just does the work. Waiting threads yield their processors to others.
 pub fn kept_awake<T>(threads: usize, work: impl FnOnce() -> T) -> T {
     let others = threads.min(rayon::current_num_threads()).saturating_sub(1);
     if others == 0 || !in_pool() {
@@ -44,7 +44,8 @@ pub fn kept_awake<T>(threads: usize, work: impl FnOnce() -> T) -> T {
                 }
             });
         }
-        // None may be left for this thread to take up while it waits for a piece of its own work: it would never end.
+        // All waiting tasks must be with other threads: one taken here, while this thread awaits its own work, would never
+        // end.
         while awake.load(Ordering::Relaxed) < others {
             yield_now();
         }
@@ -59,8 +60,8 @@ pub fn in_pool() -> bool {
     rayon::current_thread_index().is_some()
 }
 
-/// Does some work, and other work meanwhile by another thread of the pool that it is asked in, or by the same one where none is
-/// free. It waits for the other without going to sleep, as a join of the pool does after some microseconds.
+/// Does `work` while another thread of the current pool does `other`, or this one if none is free. Waits for the other
+/// without going to sleep; a join of the pool sleeps after some microseconds.
 pub fn join(work: impl FnOnce() + Send, other: impl FnOnce() + Send) {
     let done = AtomicBool::new(false);
     rayon::join(
@@ -75,7 +76,7 @@ pub fn join(work: impl FnOnce() + Send, other: impl FnOnce() + Send) {
     );
 }
 
-/// Waits for what another thread of the pool has taken up; takes it up where none has.
+/// Waits for work that another thread of the pool has taken up, or takes it up if none has.
 fn wait_for(done: &AtomicBool) {
     while !done.load(Ordering::Acquire) {
         if rayon::yield_now() == Some(Yield::Executed) {

@@ -1,4 +1,4 @@
-//! Between the colours people name (sRGB) and the colours light adds up in (linear).
+//! Converts between the colours that people name (sRGB) and those in which light adds up (linear).
 
 /// Linear red, green, blue of an sRGB colour, each 0..1 (IEC 61966-2-1).
 pub fn linear_from_srgb(srgb: [u8; 3]) -> [f32; 3] {

@@ -1,12 +1,12 @@
-//! The frame: the time that a common display shows one picture, and the time over which what happens is counted, slowed
-//! and looked at, so that no answer is late by more than a person can see.
+//! The frame: the time that a common display shows one picture. Events are counted, slowed down and checked for over this
+//! time, so that no answer is later than a person can see.
 
 use std::time::Duration;
 
 /// A sixtieth of a second, s.
 pub const FRAME_SECS: f64 = 1.0 / 60.0;
 
-/// The same as wall time, to the nearest nanosecond.
+/// The frame as wall time, to the nearest nanosecond.
 pub const FRAME: Duration = Duration::from_nanos(16_666_667);
 
 /// How many whole steps of `dt_secs` come nearest to `secs`.

@@ -1,17 +1,17 @@
-//! Pictures that lie on surfaces, as numbers: texels at every coarseness, made once, so that who draws only copies them.
+//! Pictures that lie on surfaces, as numbers: texels at every coarseness, made once, so that the renderer only copies them.
 //!
 //! ```text
 //! level 0  ▇▇▇▇▇▇▇▇   level 1  ▇▇▇▇   level 2  ▇▇   level 3  ▇      half as many texels a side from one to the next
 //! ```
 //!
-//! Means are taken of light, not of the sRGB bytes that stand for it, and of light times opacity: what is transparent
-//! lends its colour to nothing around it.
+//! Means are taken of light, not of the sRGB bytes that stand for it, and of light times opacity: transparent texels lend no
+//! colour to those around them.
 
 use std::sync::{Arc, LazyLock};
 
 use super::color::{linear_from_srgb, srgb_from_linear};
 
-/// Steps of light that are told apart on the way back to bytes: less than half a step of sRGB where it is darkest.
+/// Steps of light that the conversion to bytes distinguishes: less than half a step of sRGB where it is darkest.
 const STEPS: usize = 1 << 14;
 
 /// The light of every sRGB byte, 0..1.
@@ -36,7 +36,7 @@ pub struct Level {
     /// Width and height, texels; neither is 0.
     pub size: [u32; 2],
     /// Red, green, blue and opacity of every texel, row by row from the top: 4 × width × height bytes. Colours are the sRGB
-    /// of light that is multiplied by the opacity; where a texel is opaque, just its colour.
+    /// of light multiplied by the opacity; for an opaque texel, just its colour.
     pub rgba: Vec<u8>,
 }
 
@@ -52,7 +52,7 @@ pub enum Wrap {
     Clamp,
 }
 
-/// What is seen between the middles of texels.
+/// What is shown between the centres of texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Filter {
     /// The texel itself, a square.
@@ -65,13 +65,13 @@ pub enum Filter {
 /// How a picture is looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
-    /// Beyond its edges, to its sides and above and below it.
+    /// Beyond its edges: to the sides, and above and below.
     pub wrap: [Wrap; 2],
     /// Where a texel is larger than a pixel.
     pub magnified: Filter,
     /// Where a texel is smaller than a pixel.
     pub minified: Filter,
-    /// Between one coarseness and the next; where there is none, the finest is all that is seen.
+    /// Between one coarseness and the next; if none, only the finest is used.
     pub levels: Option<Filter>,
 }
 
@@ -93,8 +93,8 @@ impl Default for Sampling {
 }
 
 impl Picture {
-    /// Of sRGB texels with their opacity, row by row from the top. None finer than `longest` texels a side is kept.
-    /// Nothing where a side is 0, or where there are not as many texels as the size says.
+    /// Builds a picture from sRGB texels with their opacity, row by row from the top. No level with more than `longest`
+    /// texels a side is kept. None if a side is 0 or the number of bytes does not fit the size.
     pub fn new(size: [u32; 2], mut rgba: Vec<u8>, longest: u32) -> Option<Self> {
         let [width, height] = size.map(|side| side as usize);
         let texels = width.checked_mul(height).filter(|&texels| texels > 0)?;
@@ -138,8 +138,8 @@ impl std::fmt::Debug for Level {
 }
 
 impl Level {
-    /// The same with half as many texels a side, rounded down. A texel is the mean of what it covers, by area: of a side of
-    /// an odd number of texels, parts of some.
+    /// Returns the level with half as many texels a side, rounded down. A texel is the mean of those that it covers, by
+    /// area; on a side with an odd number of texels it covers some only in part.
     fn halved(&self) -> Self {
         let [width, height] = self.size.map(|side| side as usize);
         let [columns, rows] = [width, height].map(shares);
@@ -167,11 +167,11 @@ impl Level {
     }
 }
 
-/// Texels that one of half as many covers along a side, and what share of it each is.
+/// The texels that one texel of the coarser level covers along a side, and the share of it that each takes.
 #[derive(Clone, Copy)]
 struct Share {
     first: usize,
-    /// Of the first, of those between and of the last.
+    /// From the first covered texel to the last.
     shares: [f32; 4],
     count: usize,
 }
@@ -182,7 +182,7 @@ impl Share {
     }
 }
 
-/// Of every texel of a side of half as many as `count`.
+/// Returns the shares of every texel of a side with half as many as `count`.
 fn shares(count: usize) -> Vec<Share> {
     let half = (count / 2).max(1);
     // In units of 1/half of a texel, so that all is whole.

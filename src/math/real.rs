@@ -106,7 +106,7 @@ pub fn components<R: Real>(of: &[R::Vec3]) -> &[R] {
     bytemuck::cast_slice(of)
 }
 
-/// The same, to write.
+/// The components of vectors, to write.
 #[inline]
 pub fn components_mut<R: Real>(of: &mut [R::Vec3]) -> &mut [R] {
     bytemuck::cast_slice_mut(of)

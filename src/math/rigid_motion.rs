@@ -1,4 +1,4 @@
-//! Motions that are known for all time: turning about an axis, swinging along one.
+//! Motions that are known for all time: turning about an axis, oscillating along one.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,20 +11,20 @@ pub enum RigidMotion {
     Turn {
         /// The axis, of length 1.
         axis: DVec3,
-        /// How fast, in turns a second; less than nothing the other way.
+        /// Turns a second; negative the other way.
         turns_per_sec: f64,
     },
     /// It swings to and fro.
     Oscillate {
-        /// The farthest it gets, m.
+        /// The farthest displacement of its middle, m.
         reach: DVec3,
-        /// The time from one middle to the next but one, s.
+        /// The time of one whole swing, s.
         period_secs: f64,
     },
 }
 
 impl RigidMotion {
-    /// How far its middle is from where it begins, m, and how it is turned about it. Bit for bit the same on every machine.
+    /// The displacement of its middle from the start, m, and its rotation. Bit for bit the same on every machine.
     pub fn at(&self, secs: f64) -> (DVec3, DQuat) {
         match *self {
             Self::Turn { axis, turns_per_sec } => {

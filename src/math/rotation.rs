@@ -1,5 +1,5 @@
-//! Rotations: from the three Euler angles a person types, as vectors, and the one nearest to a matrix. All of them come from
-//! `libm`, sums and roots, whose results do not depend on the machine.
+//! Rotations: to and from the three Euler angles a person types, to and from vectors, and the one nearest to a matrix. All
+//! are computed by `libm`, sums and roots, whose results do not depend on the machine.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -18,8 +18,8 @@ pub fn from_euler_deg(angles_deg: [f64; 3]) -> DMat3 {
     about_z * about_y * about_x
 }
 
-/// The angles of [`from_euler_deg`] that give a rotation, degrees in −180 … 180; where the turn about y is a quarter
-/// turn, and those about x and z are one and the same, the one about z is 0.
+/// Returns the angles of [`from_euler_deg`] that give a rotation, degrees in −180 … 180. If the turn about y is a quarter
+/// turn, those about x and z have the same axis, and the one about z is 0.
 pub fn to_euler_deg(rotation: &DMat3) -> [f64; 3] {
     const NEARLY_ONE: f64 = 1.0 - 1e-12;
     let DMat3 { x_axis, y_axis, z_axis } = *rotation;
@@ -49,13 +49,13 @@ pub fn to_vector(rotation: DQuat) -> DVec3 {
 }
 
 /// The rotation nearest to a matrix in the sum of squares: its polar decomposition, by Newton's iteration scaled by norms
-/// (N. Higham, "Computing the polar decomposition – with applications", SIAM J. Sci. Stat. Comput. 7(4), 1986). None of one
-/// that mirrors or is flat.
+/// (N. Higham, "Computing the polar decomposition – with applications", SIAM J. Sci. Stat. Comput. 7(4), 1986). None for a
+/// matrix that mirrors or is flat.
 pub fn nearest(matrix: DMat3) -> Option<DMat3> {
     const ROUNDS: usize = 64;
     const CLOSE: f64 = 1e-28;
     let square = |of: DMat3| of.x_axis.length_squared() + of.y_axis.length_squared() + of.z_axis.length_squared();
-    // So that a determinant is neither too large nor too small for a number.
+    // Scaled so that the determinant neither overflows nor vanishes.
     let size = square(matrix).sqrt();
     let mut near = matrix * (1.0 / size);
     if !near.is_finite() || near.determinant() <= f64::EPSILON {

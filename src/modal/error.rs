@@ -10,7 +10,7 @@ pub enum ModalError {
     /// Nothing can move.
     #[error("every particle of the body is held, so nothing can swing; pin fewer of them")]
     NothingFree,
-    /// There is no piece to speak of.
+    /// The body falls into too many pieces.
     #[error(
         "the body falls into {pieces} pieces that no link holds together, more than {most}; give its links a stiffness, or keep its largest piece"
     )]
@@ -28,10 +28,10 @@ pub enum ModalError {
         /// What may be taken, bytes.
         free: u64,
     },
-    /// The numbers do not allow it.
+    /// The matrix cannot be factorised, or its eigenvalues cannot be found.
     #[error("the stiffnesses of the body's links are too far apart to tell its modes; bring them closer together")]
     Singular,
-    /// The iteration did not come to an end.
+    /// The iteration did not converge.
     #[error("only {found} of {asked} modes could be told apart; ask for fewer")]
     NotConverged {
         /// Those that are certain.
@@ -39,7 +39,7 @@ pub enum ModalError {
         /// Those that were wanted.
         asked: usize,
     },
-    /// It was asked to stop.
+    /// Cancelled by the caller.
     #[error("cancelled")]
     Cancelled,
 }

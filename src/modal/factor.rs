@@ -1,4 +1,4 @@
-//! The matrix in a form in which equations are solved at once: sparse Cholesky, by faer.
+//! Sparse Cholesky factorisation of the matrix, by faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
@@ -11,22 +11,22 @@ use faer::{Conj, MatMut, Par, Side};
 use super::ModalError;
 use super::stiffness::LowerColumns;
 
-/// Where the entries of a factor will be.
+/// The symbolic factorisation: where the entries of the factor will be.
 #[derive(Debug)]
 pub(super) struct Prediction {
     symbolic: SymbolicCholesky<usize>,
 }
 
-/// A factor.
+/// The numeric factor.
 pub(super) struct Factor {
     symbolic: SymbolicCholesky<usize>,
     values: Vec<f64>,
-    /// Room to solve in.
+    /// The workspace of a solve.
     room: MemBuffer,
 }
 
 impl Prediction {
-    /// Counts the entries of the factor of a matrix, in whose order unknowns are eliminated.
+    /// Counts the entries of a matrix's factor; unknowns are eliminated in the order of the matrix.
     pub(super) fn of(matrix: &LowerColumns) -> Result<Self, ModalError> {
         // The symbolic factorisation wants the upper half, which has the same entries by rows.
         let upper = upper_pattern(matrix);
@@ -38,14 +38,14 @@ impl Prediction {
         Ok(Self { symbolic })
     }
 
-    /// The memory of the factor and of the room to make it in, bytes.
+    /// The memory of the factor and of the workspace to compute it, bytes.
     pub(super) fn bytes(&self) -> u64 {
         let room = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default());
         let room = room.unaligned_bytes_required();
         (self.symbolic.len_val() * size_of::<f64>() + room) as u64
     }
 
-    /// Works the factor out; `columns` are the most that are solved for at once.
+    /// Computes the factor; `columns` is the most right-hand sides that are solved for at once.
     pub(super) fn factor(self, matrix: &LowerColumns, columns: usize) -> Result<Factor, ModalError> {
         let Self { symbolic } = self;
         let size = matrix.begins.len() - 1;

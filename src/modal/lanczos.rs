@@ -2,9 +2,9 @@
 //! eigenvalues", 1977; T. Ericsson, A. Ruhe, "The spectral transformation Lanczos method", Math. Comp. 35, 1980), with all
 //! vectors kept orthogonal to each other.
 //!
-//! Of `B = A + σ` the eigenvalues are `ω² + σ`, those of `B⁻¹` are `θ = 1/(ω² + σ)`: the lowest frequencies are the largest,
-//! far apart, and are found first. A block of vectors at a time finds as many modes of one frequency, as a cube has
-//! them.
+//! The eigenvalues of `B = A + σ` are `ω² + σ`, those of `B⁻¹` are `θ = 1/(ω² + σ)`: the lowest frequencies give the largest
+//! ones, which are far apart and are found first. A block of vectors finds as many modes of the same frequency as it has
+//! vectors; a cube has such modes.
 //!
 //! ```text
 //!   W = B⁻¹ Qⱼ,  less its part in the rigid motions and in all Q;   W = Qⱼ₊₁ R
@@ -24,29 +24,29 @@ use crate::math::Real;
 use crate::math::rng::Rng;
 use crate::physics::BodyModel;
 
-/// Vectors that are worked on at once: modes of one frequency that are certainly found.
+/// Vectors in a block: this many modes of the same frequency are certainly found.
 const BLOCK: usize = 8;
-/// Modes that are found beside those wanted, so that none of these is passed over.
+/// Modes that are found besides those wanted, so that none of the wanted ones is missed.
 const BESIDE: usize = 4;
 /// The shift, as a share of the mean of the matrix's diagonal: far below all frequencies, far above rounding.
 const SHIFT: f64 = 1e-10;
-/// A Ritz vector is found when it is wrong by this share of its value.
+/// A Ritz vector counts as found when its error is at most this share of its value.
 const TOLERANCE: f64 = 1e-9;
-/// A mode solves the equations up to these shares of its own eigenvalue and of the mean of the diagonal.
+/// The tolerances of a mode's residual, as shares of its own eigenvalue and of the mean of the diagonal.
 const RESIDUAL: [f64; 2] = [1e-6, 1e-12];
-/// Below this share of the mean of the diagonal an eigenvalue is rounding: the mode has no frequency.
+/// An eigenvalue below this share of the mean of the diagonal is rounding error: the mode has no frequency.
 const NO_FREQUENCY: f64 = 1e-13;
-/// A vector of which less is left has nothing of its own.
+/// If no more than this share of a vector is left, it depends on the others.
 const NOTHING_LEFT: f64 = 1e-10;
-/// How far the work is when the matrix is there, and when it is factorised.
+/// The progress when the matrix is assembled, and when it is factorised.
 const ASSEMBLED: f64 = 0.05;
 const FACTORISED: f64 = 0.5;
 
-/// The lowest modes of a compiled body about its rest, in the body's own coordinates. `watch` hears how far the work is; the
-/// factorisation is done in one go, so that a cancel in it is heard when it ends.
+/// Finds the lowest modes of a compiled body about rest, in the body's own coordinates. `watch` hears of the progress; the
+/// factorisation is a single call, so that a cancel during it takes effect at its end.
 ///
 /// # Errors
-/// Where nothing is free to swing, the body falls into many pieces, the memory would not do, or numbers are too far apart.
+/// If nothing is free to move, the body falls into many pieces, memory is lacking, or stiffnesses are too far apart.
 pub fn modes<R: Real>(body: &BodyModel<R>, wanted: Wanted, watch: &dyn Watch) -> Result<Modes, ModalError> {
     let system = System::of(body);
     if system.size() == 0 {
@@ -66,7 +66,7 @@ pub fn modes<R: Real>(body: &BodyModel<R>, wanted: Wanted, watch: &dyn Watch) ->
     Ok(modes)
 }
 
-/// Vectors of the right size, and what the matrix is in their space.
+/// Eigenvectors of the system, or approximations, and their eigenvalues.
 pub(super) struct Found {
     /// Orthonormal, ascending by eigenvalue.
     vectors: Mat<f64>,
@@ -75,7 +75,7 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// As modes, after it was seen how well they solve the equations.
+    /// Converts to modes, after a check of how well they solve the equations.
     fn columns(self, system: &System, rigid: usize, count: usize, bytes: u64) -> Result<Modes, ModalError> {
         let mut image = Mat::zeros(system.size(), self.vectors.ncols());
         let mut vectors = self.vectors;
@@ -106,7 +106,7 @@ impl Found {
     }
 }
 
-/// Of the two signs of a shape takes the one in which its largest component is positive.
+/// Chooses the sign of a shape for which its largest component is positive.
 fn turn_to_one_side(shape: &mut [DVec3]) {
     let largest = shape.iter().flat_map(DVec3::to_array).fold(0.0_f64, |most, x| most.max(x.abs()));
     let first = shape.iter().flat_map(DVec3::to_array).find(|x| x.abs() > 0.999 * largest);
@@ -117,7 +117,7 @@ fn turn_to_one_side(shape: &mut [DVec3]) {
     }
 }
 
-/// The vectors that are kept at most.
+/// The most vectors that are kept.
 fn most_vectors(count: usize) -> usize {
     6 * count + 120
 }
@@ -127,7 +127,7 @@ fn go_on(watch: &dyn Watch, done: f64) -> Result<(), ModalError> {
     if watch.cancelled() { Err(ModalError::Cancelled) } else { Ok(()) }
 }
 
-/// All eigenvectors of a small system at once, the rigid motions made the stiffest.
+/// Finds all eigenvectors of a small system and keeps the lowest; rigid motions are made the stiffest, so they come last.
 pub(super) fn dense(system: &System, rigid: MatRef<'_, f64>, count: usize) -> Result<(Found, u64), ModalError> {
     let LowerColumns { begins, rows, values } = system.matrix(0.0);
     let mut matrix = Mat::zeros(system.size(), system.size());
@@ -188,7 +188,7 @@ pub(super) fn sparse(
             return Err(ModalError::NotConverged { found: space.found, asked: wanted.count });
         }
     }
-    // Once more through the inverse, which takes what is left of high frequencies away.
+    // One more product with the inverse takes away what is left of high frequencies.
     let mut vectors = space.ritz_vectors(kept);
     factor.solve(vectors.as_mut());
     drop(factor);
@@ -207,14 +207,14 @@ pub(super) fn sparse(
     Ok((Found { vectors: &vectors * turned.U(), eigenvalues }, needed))
 }
 
-/// The space that is searched.
+/// The Krylov space that is searched.
 struct Space<'a> {
     rigid: MatRef<'a, f64>,
-    /// Orthonormal vectors, a block after another; the last one is yet to be multiplied.
+    /// Orthonormal vectors, a block after another; the last block is yet to be multiplied by the inverse.
     blocks: Vec<Mat<f64>>,
     /// The upper half of the inverse in that space.
     small: Mat<f64>,
-    /// The Ritz vectors in that space, those of the largest values last.
+    /// The Ritz vectors in that space, by ascending value.
     turned: Mat<f64>,
     /// Modes that are certain.
     found: usize,
@@ -243,7 +243,7 @@ impl<'a> Space<'a> {
         }
     }
 
-    /// Takes `next`, the inverse times the newest block, into the space. Whether enough modes are certain.
+    /// Adds `next`, the inverse times the newest block, to the space. Returns whether enough modes are certain.
     fn extend(&mut self, mut next: Mat<f64>, wanted: usize) -> Result<bool, ModalError> {
         let order = self.blocks.len() * BLOCK;
         let mut small = Mat::zeros(order, order);
@@ -290,8 +290,8 @@ impl<'a> Space<'a> {
         vectors
     }
 
-    /// Makes the columns of a block orthonormal; what they were is the block times the upper triangle that comes out. A
-    /// column that has nothing of its own is replaced by a random one.
+    /// Makes the columns of a block orthonormal. The block as it was is the new one times the returned upper triangle. A
+    /// column that depends on the others is replaced by a random one.
     fn orthonormalise(&mut self, block: &mut Mat<f64>) -> Mat<f64> {
         let mut triangle = Mat::zeros(BLOCK, BLOCK);
         for column in 0..BLOCK {
@@ -324,7 +324,7 @@ impl<'a> Space<'a> {
     }
 }
 
-/// Takes the part in an orthonormal basis away.
+/// Removes the part of vectors that lies in an orthonormal basis.
 fn remove(basis: MatRef<'_, f64>, mut of: MatMut<'_, f64>) {
     if basis.ncols() > 0 {
         let along = basis.transpose() * of.rb();
@@ -332,7 +332,7 @@ fn remove(basis: MatRef<'_, f64>, mut of: MatMut<'_, f64>) {
     }
 }
 
-/// Makes a vector as long as 1.
+/// Scales a vector to length 1.
 fn scale(mut vector: MatMut<'_, f64>) {
     let length = vector.norm_l2();
     for row in 0..vector.nrows() {

@@ -1,6 +1,6 @@
-//! How a body swings: the lowest modes of its lattice about rest, by which the physics can move it at a cost that does not
-//! depend on the number of its cells (A. Pentland, J. Williams, "Good vibrations: modal dynamics for graphics and animation",
-//! SIGGRAPH 1989; SC §5).
+//! The lowest modes of vibration of a body's lattice about rest. With them the physics can move the body at a cost that does
+//! not depend on the number of its cells (A. Pentland, J. Williams, "Good vibrations: modal dynamics for graphics and
+//! animation", SIGGRAPH 1989; SC §5).
 //!
 //! # Theory
 //!
@@ -12,21 +12,21 @@
 //!   K φ = ω² M φ,   φᵢᵀ M φⱼ = 1 where i = j, else 0,      u = Σ qᵢ φᵢ,      f = ω / 2π
 //! ```
 //!
-//! Held particles are left out of the equations. The motions of pieces as rigid bodies that nothing holds have no
-//! frequency; they are known beforehand and are kept apart from the modes.
+//! Held particles are left out of the equations. Rigid motions of pieces that nothing holds have no frequency; they are
+//! known beforehand and are kept apart from the modes.
 //!
 //! # How they are found
 //!
 //! ```text
 //!   stiffness   the equations of a compiled body, in its own coordinates
-//!   ordering    in which order particles are eliminated: nested dissection of the grid
+//!   ordering    the order in which particles are eliminated: nested dissection of the grid
 //!   rigid       the motions without frequency
 //!   factor      sparse Cholesky of M^-½ K M^-½ + σ (faer), after its size was predicted
 //!   lanczos     block Lanczos on the inverse, which sees the lowest frequencies first (shift and invert)
-//!   reduced     what the physics is given of them, to move a body by ([`crate::physics::ModalModel`])
+//!   reduced     the modes as the physics takes them, to move a body with ([`crate::physics::ModalModel`])
 //! ```
 //!
-//! The equations are linear: **a large turn of a part looks wrong**, as it grows where it should turn.
+//! The equations are linear: **a large turn of a part looks wrong**, as the part grows instead of turning.
 //!
 //! ```
 //! use gelatin::{modal::{self, Wanted}, physics::Simulation, scene::presets};

@@ -1,16 +1,16 @@
-//! What is asked for and what comes of it: the modes of a body, plain numbers.
+//! The modes of a body and the request for them, as plain numbers.
 
 use glam::DVec3;
 
-/// The fewest and the most modes that one asks for.
+/// The fewest and the most modes that can be asked for.
 pub const COUNTS: [usize; 2] = [1, 60];
 
-/// What is asked for.
+/// The modes that are asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wanted {
     /// How many of the lowest modes; all of them where a body has fewer.
     pub count: usize,
-    /// The memory that may be taken on the way, bytes.
+    /// The most memory that the computation may take, bytes.
     pub most_bytes: u64,
 }
 
@@ -25,7 +25,7 @@ impl Default for Wanted {
 pub struct Modes {
     /// By frequency, the lowest first.
     pub modes: Vec<Mode>,
-    /// Motions as rigid bodies that nothing holds: six of a free body in one piece.
+    /// The number of rigid motions that nothing holds: six for a free body in one piece.
     pub rigid: usize,
     /// How far the worst mode is from solving the equations: `|K φ − ω² M φ|` over `|ω² M φ|`, both weighted by the inverse
     /// of `M`.
@@ -34,13 +34,13 @@ pub struct Modes {
     pub bytes: u64,
 }
 
-/// One way in which a body swings.
+/// One way in which a body vibrates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
-    /// Swings in a second without damping, Hz; zero where nothing resists.
+    /// The frequency without damping, Hz; zero if no stiffness resists.
     pub frequency_hz: f64,
-    /// What the links' damping takes from this mode alone: `φᵀ C φ`, 1/s. What it hands on to other modes is left out, which
-    /// is nothing for a solid, whose damping is proportional to its stiffness.
+    /// The damping of this mode by the links: `φᵀ C φ`, 1/s. Coupling to other modes is left out; a solid has none, as its
+    /// damping is proportional to its stiffness.
     pub damping: f64,
     /// The displacement of every particle in the body's coordinates for `q` = 1, 1/√kg; zero where it is held.
     pub shape: Vec<DVec3>,
@@ -52,7 +52,7 @@ impl Mode {
         std::f64::consts::TAU * self.frequency_hz
     }
 
-    /// The damping over the one at which the mode would no longer swing; none where nothing resists.
+    /// The damping over the critical one, from which the mode no longer vibrates; none if no stiffness resists.
     pub fn damping_ratio(&self) -> Option<f64> {
         let omega = self.angular_frequency();
         (omega > 0.0).then(|| 0.5 * self.damping / omega)

@@ -1,18 +1,18 @@
-//! In which order particles are eliminated, so that the factor of their matrix stays small: nested dissection (A. George,
-//! "Nested dissection of a regular finite element mesh", SIAM J. Numer. Anal. 10, 1973).
+//! The order in which particles are eliminated, so that the factor of their matrix stays small: nested dissection (A.
+//! George, "Nested dissection of a regular finite element mesh", SIAM J. Numer. Anal. 10, 1973).
 //!
 //! ```text
 //!   +-------+--+-------+
-//!   |       |  |       |     a plane of particles as thick as links are long parts the others: both sides first, each
-//!   |   1   |3 |   2   |     in the same way, the plane last
+//!   |       |  |       |     a plane of particles, as thick as links are long, separates the others: first the two sides,
+//!   |   1   |3 |   2   |     each in the same way, then the plane
 //!   |       |  |       |
 //!   +-------+--+-------+
 //! ```
 
-/// So few particles are not parted any further.
+/// A part of at most this many particles is not divided.
 const LEAF: usize = 24;
 
-/// An order of particles at these corners of a grid, whose links reach over so many of its cells.
+/// Returns an order of particles at these corners of a grid; their links span at most `reach` of its cells.
 pub(super) fn nested_dissection(corners: &[[u32; 3]], reach: u32) -> Vec<u32> {
     let mut order: Vec<u32> = (0..).take(corners.len()).collect();
     // Parts still to be cut, as ranges of the order.
@@ -28,8 +28,8 @@ pub(super) fn nested_dissection(corners: &[[u32; 3]], reach: u32) -> Vec<u32> {
     order
 }
 
-/// Puts the particles of a part on one side of a plane first, those on the other side next and those in it last: how many
-/// are on the first side and in the plane. None where it is too small to be cut.
+/// Puts the particles on one side of a plane first, those on the other side next and those in the plane last. Returns how
+/// many are on the first side and in the plane; none if the part is too small to be cut.
 fn cut(part: &mut [u32], corners: &[[u32; 3]], reach: u32) -> Option<(usize, usize)> {
     if part.len() <= LEAF {
         return None;

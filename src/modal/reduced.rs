@@ -1,4 +1,4 @@
-//! What the physics is given of modes: plain numbers in the precision that it moves a body with.
+//! The modes as the physics takes them: plain numbers in the precision with which it moves a body.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use crate::math::Real;
 use crate::physics::{BodyModel, ModalModel};
 
 impl Modes {
-    /// The modes of a compiled body, ready to be moved by.
+    /// Returns the modes of a compiled body as the model that the physics moves it with.
     pub fn reduced<R: Real>(&self, body: &BodyModel<R>) -> Arc<ModalModel> {
         let rates = self.modes.iter().map(|mode| [mode.angular_frequency(), mode.damping]).collect();
         let row = |particle: usize| self.modes.iter().map(move |mode| mode.shape[particle].as_vec3().to_array());

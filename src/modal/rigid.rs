@@ -1,4 +1,4 @@
-//! The motions of a body's pieces as rigid bodies that nothing holds: they stretch no link and have no frequency.
+//! The rigid motions of a body's pieces that nothing holds: they stretch no link and have no frequency.
 
 use faer::{Mat, Side};
 use glam::DVec3;
@@ -6,10 +6,10 @@ use glam::DVec3;
 use super::ModalError;
 use super::stiffness::System;
 
-/// A body that falls into more pieces is none.
+/// The most pieces that a body may fall into.
 const MOST_PIECES: usize = 16;
 
-/// A motion moves held particles if it moves them by more than this share of the others.
+/// A motion leaves held particles still if it moves them by less than this share of the others.
 const STILL: f64 = 1e-6;
 
 /// An orthonormal basis of the motions without frequency, weighted by the roots of the masses; one column each.
@@ -49,12 +49,12 @@ pub(super) fn motions(system: &System) -> Result<Mat<f64>, ModalError> {
 
 /// Particles that links hold together.
 struct Piece {
-    /// Those that are not held, by their places.
+    /// The particles that are not held, by their places among the free ones.
     free: Vec<usize>,
     /// Where the held ones are, m.
     held: Vec<DVec3>,
     middle: DVec3,
-    /// How far particles are from the middle, m; never nothing.
+    /// The largest distance of a particle from the middle, m; never zero.
     size: f64,
 }
 
@@ -71,7 +71,7 @@ impl Motion {
     }
 }
 
-/// The pieces with anything free in them.
+/// Returns the pieces that have a free particle.
 fn pieces(system: &System) -> Vec<Piece> {
     let count = system.rest.len();
     let mut root: Vec<usize> = (0..count).collect();
@@ -110,7 +110,7 @@ fn pieces(system: &System) -> Vec<Piece> {
     pieces
 }
 
-/// The first particle known to hang together with one.
+/// Returns the root of a particle: the first one known to be in its piece.
 fn find(root: &mut [usize], mut at: usize) -> usize {
     while root[at] != at {
         root[at] = root[root[at]];
@@ -119,8 +119,8 @@ fn find(root: &mut [usize], mut at: usize) -> usize {
     at
 }
 
-/// The rigid motions of a piece that leave its held particles where they are: those without a part in `Σ Cᵀ C`, the
-/// squares of what they would be moved by.
+/// Returns the rigid motions of a piece that leave its held particles where they are: the null space of `Σ Cᵀ C`, the
+/// squares of the displacements of these particles.
 fn unhindered(piece: &Piece) -> Result<Vec<Motion>, ModalError> {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let basis: Vec<Motion> = axes

@@ -8,7 +8,7 @@ use super::ordering::nested_dissection;
 use crate::math::Real;
 use crate::physics::BodyModel;
 
-/// The place of a held particle, which has none.
+/// Stands for the place of a held particle, which has none.
 const HELD: u32 = u32::MAX;
 
 /// The equations of a body.
@@ -22,7 +22,7 @@ pub(super) struct System {
     pub(super) inverse_root: Vec<f64>,
     /// Links with a force or a damping.
     pub(super) links: Vec<AtRest>,
-    /// The mean of the diagonal of `A`, 1/s²: how stiff all of it is.
+    /// The mean of the diagonal of `A`, 1/s²: a measure of the overall stiffness.
     pub(super) scale: f64,
 }
 
@@ -61,7 +61,7 @@ impl System {
                 if stiffness <= 0.0 && damping <= 0.0 {
                     continue;
                 }
-                // Bending links lead past a particle.
+                // Bending links span two cells.
                 reach = reach.max(if number == 2 { 2 } else { 1 });
                 let way = rest[link.ends[1] as usize] - rest[link.ends[0] as usize];
                 let length = way.length();
@@ -121,7 +121,7 @@ impl System {
         }
     }
 
-    /// What the links' damping takes from a motion of the particles: `vᵀ C v`, for velocities `v` by particle.
+    /// The power that the links' damping takes from a motion of the particles: `vᵀ C v`, for velocities `v` by particle.
     pub(super) fn damping(&self, velocity: &[DVec3]) -> f64 {
         let of = |link: &AtRest| {
             let [a, b] = link.particles.map(|particle| velocity[particle as usize]);
@@ -133,7 +133,7 @@ impl System {
 
     /// The matrix with `shift` added to its diagonal, 1/s².
     pub(super) fn matrix(&self, shift: f64) -> LowerColumns {
-        // The links of every free particle to free ones after it, those nearest in the order first.
+        // The links of every free particle to free ones after it, the nearest in the order first.
         let both: Vec<(u32, u32, u32)> = {
             let free = (0..).zip(&self.links).filter(|(_, link)| link.places.iter().all(|&place| place != HELD));
             let mut both: Vec<_> = free

@@ -1,4 +1,4 @@
-//! What must hold of the modes of any body: they solve the equations, are orthonormal, none is passed over.
+//! Checks what must hold of the modes of any body: they solve the equations, are orthonormal, and none is missed.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -138,7 +138,7 @@ fn a_body_that_cannot_swing_is_refused_in_words() {
     assert!(too_large.to_string().contains("MB of memory, of which 1 MB"), "{too_large}");
 }
 
-/// Cancels at a look.
+/// Cancels at one of its checks.
 struct At {
     looks: AtomicUsize,
     last: usize,

@@ -1,4 +1,4 @@
-//! A hand in the simulation: a spring from a point of a body to a place. [`super::step::pull`] has what it does.
+//! A hand in the simulation: a spring from a point of a body to a place. [`super::step::pull`] applies it.
 
 use super::model::BodyModel;
 use crate::math::{Real, Vector};
@@ -17,7 +17,8 @@ pub struct Grab<R: Real> {
 }
 
 impl<R: Real> Grab<R> {
-    /// The weighted mean of what the particles have, of those of a body whose first is `first`.
+    /// The weighted mean of a quantity over the grabbed particles, from the values of the body's particles; `first` is the
+    /// first of these.
     pub(super) fn mean_of(&self, of_body: &[R::Vec3], first: usize) -> R::Vec3 {
         self.weights.iter().fold(R::Vec3::ZERO, |sum, &(particle, weight)| sum + of_body[particle - first] * weight)
     }
@@ -27,14 +28,14 @@ impl<R: Real> Grab<R> {
         (self.stiffness * body.total_mass()).sqrt()
     }
 
-    /// What the point pulled at has of something that every particle has: its place, m, or its velocity, m/s.
+    /// The grabbed point's position (m) or velocity (m/s), from that of all particles.
     pub fn point(&self, of_all: &[R::Vec3]) -> R::Vec3 {
         self.mean_of(of_all, 0)
     }
 }
 
-/// What a pull that is taken implicitly in a substep of `dt` (s) resists the speed of its point with, N·s/m: its damping, and
-/// what its stiffness makes of the way within the substep.
+/// The resistance of an implicit pull to the speed of its point, N·s/m: its damping, and its stiffness times the substep
+/// `dt` (s).
 pub(super) fn resistance<T: Real>([stiffness, damping]: [T; 2], dt: T) -> T {
     dt * stiffness + damping
 }

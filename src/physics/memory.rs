@@ -1,4 +1,4 @@
-//! How much memory a simulation takes, before there is one: by the sizes of what it is made of.
+//! Predicts the memory of a simulation before it is made, from counts of particles, links and cells.
 
 use super::contact::{
     BYTES_A_PARTICLE_AND_MESH, BYTES_A_POINT, BodyContact, ContactConstraint, ContactRecord, MET_AT_ONCE, SampleContact,
@@ -13,35 +13,35 @@ use crate::physics::limits::present::BYTES_A_PARTICLE;
 use crate::physics::model::Scheme;
 use crate::physics::schemes::{Held, implicit_bytes};
 
-/// What a simulation is to be made of.
+/// What a simulation will contain, besides the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Size {
     /// Obstacles of all shapes.
     pub obstacles: usize,
-    /// Those among them that may have two sides: planes and meshes.
+    /// Obstacles that may have two sides: planes and meshes.
     pub planes: usize,
-    /// Meshes among them; their surfaces are counted elsewhere.
+    /// Obstacles that are meshes; their surfaces are counted elsewhere.
     pub meshes: usize,
     /// Particles on the outside of bodies that meet obstacles with their mesh.
     pub on_mesh: usize,
-    /// The scheme at work, where that is known.
+    /// The scheme in use, where it is known.
     pub scheme: Option<Scheme>,
 }
 
-/// Positions, velocities and what else there is of a particle, as [`super::State`] has them, bytes.
+/// A particle's position, velocity and other vectors in [`super::State`], bytes.
 const OF_A_STATE: usize = size_of::<[[f32; 3]; 4]>();
-/// Forces and new velocities, bytes.
+/// A particle's force and new velocity, bytes.
 const OF_A_STEP: usize = size_of::<[[f32; 3]; 2]>();
-/// The stages of the stabilised scheme: where they are, and what leads from one to the next, bytes.
+/// A particle's vectors in the stages of the stabilised scheme, bytes.
 const OF_STAGES: usize = size_of::<[[f32; 3]; 11]>();
-/// A particle's place in the grid, its place at the start and its mass, bytes.
+/// A particle's grid corner, start position and mass, bytes.
 const OF_A_MODEL: usize = size_of::<[u32; 3]>() + size_of::<[f32; 3]>() + size_of::<f32>();
-/// What is only there while a body is made: its place and mass in double precision, the cells around it, its neighbours
-/// on the surface, bytes.
+/// A particle while its body is being made: position and mass in double precision, the cells around it, its neighbours on
+/// the surface, bytes.
 const WHILE_MADE: usize = size_of::<[f64; 3]>() + size_of::<f64>() + size_of::<[u32; 8]>() + 40;
 
-/// The bytes that a simulation in single precision of some bodies takes: the bodies with their lattices, a state and the
-/// room of a step, and the copy of these two that figures are taken from.
+/// Bytes of a simulation in single precision: the bodies with their lattices, a state and a step's workspace, and the copy
+/// of these two that diagnostics are computed from.
 pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
     let lasting = bodies.iter().map(of_body).sum::<usize>();
     let moving = bodies.iter().map(|body| of_motion(body, size)).sum::<usize>();
@@ -52,29 +52,30 @@ pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
     (lasting + moving + implicit + made.max(moving) + strained + meeting) as u64
 }
 
-/// Where a particle would be, and was, and its place among those that meet, bytes.
+/// A particle in contact between bodies: its predicted and its old position, and its number among the particles that meet,
+/// bytes.
 const AMONG_BODIES: usize = 2 * size_of::<[f64; 3]>() + size_of::<u32>();
-/// A particle of the outside, the cells around it and near it, and what it takes to find its contact and to solve for it, bytes.
+/// An outer particle: the cells around it and near it, and room to find its contact and to solve for it, bytes.
 const OF_A_HULL: usize =
     size_of::<[u32; 10]>() + NEIGHBOURS + BYTES_A_POINT + 2 * size_of::<BodyContact>() + 2 * size_of::<Press>();
-/// Eight cells that are near a particle, and its places in two lists, bytes.
+/// Eight cells near a particle, and its places in two lists, bytes.
 const NEIGHBOURS: usize = 8 * size_of::<[u32; 2]>() + 2 * size_of::<u32>();
 
-/// A lattice, and the model that is made of it.
+/// Bytes of a lattice and of the model made of it.
 fn of_body(body: &LatticeCounts) -> usize {
     let link = size_of::<[u32; 2]>() + size_of::<Link<f32>>() + size_of::<u16>();
-    // Its particles, and what is in it.
+    // Its particles and its filled share.
     let cell = size_of::<[u32; 8]>() + size_of::<f64>();
     body.particles * OF_A_MODEL + body.all_links() * link + body.cells * cell
 }
 
-/// What a body has to meet others and itself.
+/// Bytes that a body needs to meet others and itself.
 fn of_meeting(body: &LatticeCounts) -> usize {
     let cell = size_of::<[u32; 6]>();
     body.particles * AMONG_BODIES + body.surface * OF_A_HULL + body.cells * cell
 }
 
-/// The points on a mesh for each particle on the outside of its cells, of which there are about as many as cells there.
+/// Bytes of the points on a mesh for each outer particle; there are about as many outer particles as outer cells.
 fn of_points(size: Size) -> usize {
     let known = size.meshes * BYTES_A_PARTICLE_AND_MESH;
     let pairs = size.obstacles.min(3);
@@ -82,7 +83,7 @@ fn of_points(size: Size) -> usize {
     MOST_A_CELL * (size_of::<[f64; 8]>() + size_of::<u32>() + known + pairs * touching)
 }
 
-/// What it takes to solve for a contact of a point: eight particles with their weights, and what is known of it, bytes.
+/// The solver's data of a point's contact: eight particles with their weights, and its constants, bytes.
 const OF_A_SOLUTION: usize = 8 * size_of::<(u32, f64)>() + 400;
 
 fn of_motion(body: &LatticeCounts, size: Size) -> usize {

@@ -1,50 +1,51 @@
 //! The core: a mass-spring lattice that moves, meets obstacles and comes to rest (GC §2–§7).
 //!
 //! A scene and the lattices of its bodies are compiled into a constant [`Model`] and the [`Plan`] of a step; a
-//! [`Simulation`] owns both with the mutable [`State`]. The core does no input or output, reads no clock, never fails and
-//! does not allocate once it runs, but the first time that a body comes near another or itself. It is generic over the scalar: `f32` to run, `f64` as reference.
+//! [`Simulation`] owns both with the mutable [`State`]. The core does no input or output, reads no clock and never fails.
+//! Once it runs it allocates only the first time that a body comes near another or itself. It is generic over the scalar:
+//! `f32` to run, `f64` as reference.
 //!
-//! # Rooms
+//! # Modules
 //!
 //! ```text
-//! simulation   the owner: of a scene, steps, edits while it runs, the motion of a body taken out and put in
-//! compile      scene → model and plan: materials to constants, obstacles, how far a value may safely go; the only room
-//!              that names the document, as `tests/tidy.rs` sees to
+//! simulation   owns model, plan and state: takes steps, takes edits while it runs, takes out and puts back a body's motion
+//! compile      scene → model and plan: materials to constants, obstacles, safe ranges of values; the only module that
+//!              names the document (`tests/tidy.rs` checks that)
 //! model        bodies, links, obstacles, and the plan: constant from one compilation to the next
-//! state        what changes: positions, velocities, what is remembered; sleep, fallen bodies, the fingerprint
-//! stepping     how a step is divided in time, and has its parts taken
-//! step         a part: its stages, one function each, in the order of GC Algorithm 1
+//! state        all that changes: positions, velocities, memory of contacts; sleep, fallen bodies, the state's hash
+//! stepping     divides a step in time and takes its parts
+//! step         takes one part: its stages, one function each, in the order of GC Algorithm 1
 //! forces       gravity, links, recovery from inversion
-//! share, team  who works out what: bodies cut into shares of as much work, shared out among the threads of a pool
-//! kernels      many at a time: the forces of links again, which those of `forces` are the oracle of; boxes around vectors
-//! schemes      how velocities follow from forces: explicit ones, and the implicit one with its energy balance
-//! modes        modal bodies, at a cost that no cell adds to
-//! contact      obstacles: where they are, who meets them, what they do to velocities; bodies that meet each other
-//! limits       how large a step may be: waves, cells, states
+//! share, team  threads: bodies are cut into shares of equal work, which the threads of a pool take
+//! kernels      vectorised code: link forces of many links at a time, tested against `forces`; boxes around vectors
+//! schemes      time integration: the explicit schemes, and the implicit one with its energy balance
+//! modes        modal bodies, at a cost that does not grow with their cells
+//! contact      obstacles: their places, contact candidates, contact response; contact between bodies
+//! limits       the largest stable step, from plane waves, cells and states
 //! interaction  a hand that pulls
-//! observe      energies, a number for every particle, whether a step ran away
-//! report       what a step tells
-//! memory       how much a scene takes, counted before it is made
+//! observe      energies, a scalar for every particle, detection of explosions
+//! report       the report of a step, and its timer
+//! memory       the memory that a scene takes, counted before it is made
 //! ```
 //!
 //! # One step
 //!
 //! ```text
-//! simulation.step()   substep by substep; steps that a longer substep covers are counted
-//!   stepping          part by part, where obstacles are in it (Placed): (model, plan, part, inputs, &mut state)
-//!     find_forces     F = gravity + links (by kernels) + cells near inversion, at the state; the thesis's contact
+//! simulation.step()   substep by substep; where a substep covers several steps, those before the last are only counted
+//!   stepping          part by part, with obstacles placed for the part (Placed): (model, plan, part, inputs, &mut state)
+//!     find_forces     F at the state: gravity, links (by kernels), cells near inversion, contact by the thesis's rule
 //!     predict         v* = v + dt F/m, and a hand's pull
-//!     meet_bodies     v* of bodies that meet each other or themselves, then meet_obstacles: v*; the implicit scheme has
-//!                     solved_velocities instead, all at once
-//!     refine          v' and the paths by which x moves, with more forces where the scheme has stages; then meet_on_paths
-//!     is_sound        else the state stays the last good one and the report says so
-//!     accept          x += dt u, v = v'; sides and recovery are settled before, who sleeps or has fallen out after
-//!     pass            obstacles that come, or are swept, are as much nearer
-//!   modes             modal bodies over the whole substep
+//!     meet_bodies     contact of bodies with each other and themselves changes v*, then meet_obstacles does; the implicit
+//!                     scheme solves for pull, obstacles and v' at once instead (solved_velocities)
+//!     refine          v' and the velocity u that moves x, with more forces where the scheme has stages; then meet_on_paths
+//!     is_sound        unless all numbers are finite, the state stays the last good one and the report says so
+//!     accept          x += dt u, v = v'; before it, sides and recovery are settled; after it, sleep and fallen bodies
+//!     modes           modal bodies over the same part
+//!     pass            moves approaching and swept obstacles on by the part
 //!   StepReport        sums over substeps, and what held at the end of the last
 //! ```
 //!
-//! # How a change while it runs looks
+//! # How to change a running simulation
 //!
 //! ```
 //! use gelatin::physics::{Arrival, Simulation};

@@ -1,17 +1,17 @@
-//! What a step tells about itself, and who may take its time or stop it.
+//! The report of a step, and the trait of what times its stages or stops it.
 
 use std::cell::Cell;
 
 use crate::physics::model::plan::{SOLVE_WORK, Stage};
 
-/// What one or more substeps told. Plain numbers; the step never logs.
+/// The report of one or more substeps. Plain numbers; the step never logs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
     /// Sums over the substeps.
     pub counters: Counters,
     /// What held at the end of the last one that was taken.
     pub last: LastSubstep,
-    /// Whether the substep was given up, state untouched, because nobody waits for it any more.
+    /// Whether the substep was given up, state untouched, because the timer stopped it.
     pub stopped: bool,
     /// Whether the step was abandoned, state untouched, because a number would have stopped being finite or, in
     /// manual stepping, a body would have been torn apart.
@@ -29,23 +29,23 @@ pub struct Counters {
     pub peak_penetration_m: f64,
     /// Tests made of particles against obstacles, and against cells of other bodies.
     pub narrow_tests: u64,
-    /// Such tests that boxes made unnecessary.
+    /// Such tests that bounding boxes made unnecessary.
     pub narrow_tests_saved: u64,
-    /// Points of bodies that were looked for in the cells of another, or of their own, as they came near these.
+    /// Points of bodies that came near cells of another body, or of their own, and were tested for being inside.
     pub points_looked_for: u64,
     /// Contacts between bodies that were solved for.
     pub body_contacts: u64,
     /// Of the particle–obstacle tests, the ones against spheres.
     pub sphere_tests: u64,
-    /// Pushes of an obstacle for which friction was worked out.
+    /// Contacts with obstacles for which friction was computed.
     pub frictions: u64,
     /// Link forces evaluated.
     pub link_forces: u64,
-    /// Of these, the ones with a damping to work out.
+    /// Of these, those with damping.
     pub damped_link_forces: u64,
-    /// Cells looked at for being near inversion.
+    /// Cells tested for being near inversion.
     pub cells_looked_at: u64,
-    /// Watched cells whose push against inversion was worked out.
+    /// Watched cells whose push against inversion was computed.
     pub recovery_cells: u64,
     /// Linear systems that the implicit integrator solved.
     pub solves: u64,
@@ -53,20 +53,20 @@ pub struct Counters {
     pub iterations: u64,
     /// Substeps of the implicit integrator, or parts of one, that would have given energy and were halved.
     pub halved: u64,
-    /// Substeps of the implicit integrator that reached the limit of their work, and were finished in long parts, slowed
-    /// where those would have given energy.
+    /// Substeps of the implicit integrator that reached their work limit and were finished in long parts, with bodies slowed
+    /// where these parts would have given energy.
     pub slowed: u64,
-    /// Modes that were followed, and boxes and points looked at, of modal bodies.
+    /// Work of modal bodies: modes advanced, boxes and points looked at.
     pub modal_work: u64,
-    /// Work that moving obstacles did, J.
+    /// Work done by moving obstacles, J.
     pub obstacle_work_j: f64,
-    /// Work that parted bodies which were inside each other without having pressed, J.
+    /// Work done to part bodies that were inside each other without having pressed a contact spring, J.
     pub parting_work_j: f64,
-    /// The fastest surface of an obstacle that a particle met in any of them, m/s.
+    /// The largest speed of an obstacle's surface that a particle met, m/s.
     pub fastest_surface_m_s: f64,
 }
 
-/// What holds at the end of a substep: of several, the last one's counts.
+/// What holds at the end of a substep; of several substeps, at the end of the last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LastSubstep {
     /// Contacts with obstacles that push.
@@ -124,20 +124,19 @@ impl StepReport {
     }
 }
 
-/// Told when a stage begins, and asked whether to go on; the core itself reads no clock.
+/// Learns when each stage begins, and may stop a substep; the core itself reads no clock.
 pub trait StageTimer {
     /// A stage begins and the one before it ends.
     fn enter(&mut self, stage: Stage);
     /// The last stage of a substep ends.
     fn leave(&mut self);
-    /// Contact between bodies begins, whose stages are those of contact with obstacles.
+    /// Contact between bodies begins; it enters the same stages as contact with obstacles.
     fn begin_bodies(&mut self) {}
-    /// It ends.
+    /// Contact between bodies ends.
     fn end_bodies(&mut self) {}
-    /// Whether the substep is to be given up: asked at least once in every pass over a body's links, in every iteration of
-    /// the implicit integrator, whose substeps can take seconds, and once for some ten thousand links of a large body that
-    /// one thread has.
-    /// What was given up is taken anew later, to the same bits.
+    /// Whether to give the substep up. Called at least once in every pass over a body's links, in every iteration of the
+    /// implicit integrator, whose substeps can take seconds, and, in a large body, once for some ten thousand links of a
+    /// thread. A substep that was given up is taken again later, to the same bits.
     fn stops(&self) -> bool {
         false
     }
@@ -149,25 +148,26 @@ impl StageTimer for () {
     fn leave(&mut self) {}
 }
 
-/// Where a substep puts its counts and tells of its stages, and whom it asks whether to go on: passed down once.
+/// Collects a substep's counts and passes its stages on to the timer.
 pub(super) struct Recorder<'a> {
     pub(super) counters: Counters,
     pub(super) last: LastSubstep,
     timer: &'a mut dyn StageTimer,
-    /// The deepest that bodies are in each other at the end of the part, m.
+    /// The deepest penetration between bodies at the end of the part, m.
     between_bodies_m: f64,
     may_be_given_up: bool,
     stopped: Cell<bool>,
 }
 
 impl<'a> Recorder<'a> {
-    /// Of a substep that nothing was taken of.
+    /// The recorder of a substep that has not begun.
     pub(super) fn new(timer: &'a mut dyn StageTimer) -> Self {
         let (counters, last) = (Counters::default(), LastSubstep::default());
         Self { counters, last, timer, between_bodies_m: 0.0, may_be_given_up: true, stopped: Cell::new(false) }
     }
 
-    /// A part of so many seconds was taken, after which so many bodies sleep: the substep has to be finished from now on.
+    /// Notes that a part of `secs` (s) was taken, after which `bodies_asleep` bodies sleep. The substep cannot be given up
+    /// from now on.
     pub(super) fn took(&mut self, secs: f64, bodies_asleep: usize) {
         self.may_be_given_up = false;
         self.counters.substeps += 1;
@@ -185,12 +185,12 @@ impl<'a> Recorder<'a> {
         self.timer.begin_bodies();
     }
 
-    /// It ends.
+    /// Contact between bodies ends.
     pub(super) fn end_bodies(&mut self) {
         self.timer.end_bodies();
     }
 
-    /// Whether the substep is to be given up: from the first yes on it stays yes.
+    /// Whether the substep is to be given up; once true, it stays true.
     pub(super) fn stops(&self) -> bool {
         if self.may_be_given_up && !self.stopped.get() {
             self.stopped.set(self.timer.stops());
@@ -198,12 +198,12 @@ impl<'a> Recorder<'a> {
         self.stopped.get()
     }
 
-    /// Whether it was to be given up when last asked.
+    /// The last answer of [`Self::stops`].
     pub(super) fn has_stopped(&self) -> bool {
         self.stopped.get()
     }
 
-    /// Notes the deepest penetration of bodies in each other at the end of a part, m: before that of obstacles.
+    /// Notes the deepest penetration between bodies at the end of a part, m. Called before [`Self::note_depth`].
     pub(super) fn note_depth_between_bodies(&mut self, depth_m: f64) {
         self.between_bodies_m = depth_m;
         self.note_depth(depth_m);
@@ -216,7 +216,7 @@ impl<'a> Recorder<'a> {
         self.counters.peak_penetration_m = self.counters.peak_penetration_m.max(depth_m);
     }
 
-    /// The last stage ends: what there is to tell.
+    /// Ends the last stage and returns the report.
     pub(super) fn leave(self, diverged: bool) -> StepReport {
         self.timer.leave();
         let Self { counters, last, stopped, .. } = self;

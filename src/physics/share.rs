@@ -1,7 +1,8 @@
-//! Shares of a step: particles that follow one another, of one body, which one thread looks after.
+//! Shares of a step: a share is a range of particles of one body, which one thread works on.
 //!
-//! As many threads as there are, all bodies together are cut at places with as much work between them; a place next to the
-//! end of a body is moved there. What a share comes to does not depend on the cuts, so they may follow from the threads.
+//! All bodies together are cut into as many pieces of equal work as there are threads; a cut close to the end of a body is
+//! left out, as a share ends there anyway. The result of a share does not depend on the cuts, so the cuts may depend on the
+//! number of threads.
 
 use std::ops::Range;
 
@@ -10,14 +11,14 @@ use crate::physics::kernels::{Piece, pieces};
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::BodyMemory;
 
-/// Work that is worth a thread of its own, in forces of links a pass. Two threads that are kept awake, each on a processor of
-/// its own, take a substep of a body of 13 000 links 1.25 times as fast as one, of 21 000 links 1.5 times.
+/// The least work that is worth a thread of its own, in link forces a pass. Two threads that are kept awake, each on a
+/// processor of its own, take a substep of a body of 13 000 links 1.25 times as fast as one, of 21 000 links 1.5 times.
 const LINKS_A_THREAD: usize = 8_000;
 
-/// What a link takes along a list, in links that are worked out in a box.
+/// The cost of a link evaluated from a list, in links evaluated in a box.
 const LISTED: usize = 4;
 
-/// No cut is nearer to the end of a body than this part of what a thread has.
+/// A cut is no nearer to the end of a body than a thread's work divided by this.
 const SNAP: usize = 20;
 
 /// A share of a step.
@@ -27,15 +28,15 @@ pub(in crate::physics) struct Share<R> {
     pub(in crate::physics) body: usize,
     /// Its particles in the arrays of the state.
     pub(in crate::physics) particles: Range<usize>,
-    /// Its links where the body has a box; else the body is not cut, and its links are a list.
+    /// Its links where the body has boxed links; otherwise the body is not cut and its links are a list.
     pub(in crate::physics) piece: Option<Piece<R>>,
-    /// Forces of links that were worked out in the last pass.
+    /// Link forces evaluated in the last pass.
     pub(in crate::physics) evaluated: u64,
-    /// Whether all of its particles come to a finite place by the kick of the last pass.
+    /// Whether the kick of the last pass leads all of its particles to finite places.
     pub(in crate::physics) is_finite: bool,
-    /// From which strain on its links are looked for, if they are, ...
+    /// The strain above which a link counts as strained; none where strains are not looked at. ...
     pub(in crate::physics) strain: Option<f64>,
-    /// ... and whether there was one.
+    /// Whether a link was strained.
     pub(in crate::physics) is_strained: bool,
     work: usize,
 }
@@ -46,13 +47,13 @@ impl<R> Share<R> {
     }
 }
 
-/// How many of some threads pay for the bodies of a model.
+/// How many of `threads` threads pay off for the bodies of a model.
 pub(in crate::physics) fn fitting<R: Real>(model: &Model<R>, threads: usize) -> usize {
     let work: usize = model.bodies.iter().map(work).sum();
     threads.min(work / LINKS_A_THREAD).max(1)
 }
 
-/// The shares of so many threads, in the order of the particles.
+/// The shares for `threads` threads, in the order of the particles.
 pub(in crate::physics) fn shares<R: Real>(model: &Model<R>, threads: usize) -> Vec<Share<R>> {
     let all: usize = model.bodies.iter().map(work).sum();
     let mut shares = Vec::new();
@@ -78,13 +79,13 @@ pub(in crate::physics) fn shares<R: Real>(model: &Model<R>, threads: usize) -> V
     shares
 }
 
-/// The work of a pass over the links of a body, in links that are worked out in a box.
+/// The work of a pass over the links of a body, in links evaluated in a box.
 fn work<R: Real>(body: &BodyModel<R>) -> usize {
     let links: usize = body.links.iter().map(|family| family.links.len()).sum();
     if body.boxed_links.is_some() { links } else { LISTED * links }
 }
 
-/// Where to cut some shares so that both sides have as much work: after at least one, before the last.
+/// Where to cut some shares so that both sides have about equal work; each side has at least one share.
 pub(in crate::physics) fn middle<R>(shares: &[Share<R>], memory: &[BodyMemory]) -> usize {
     let work = |shares: &[Share<R>]| -> usize {
         shares.iter().filter(|share| !memory[share.body].asleep).map(|share| share.work).sum()

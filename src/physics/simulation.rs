@@ -34,10 +34,10 @@ pub struct Simulation<R: Real = f32> {
     /// Where obstacles are: follows from model and state.
     obstacles: Placed<R>,
     grab: Option<Grab<R>>,
-    /// What held at the end of the last substep: it holds while steps are only counted.
+    /// The report at the end of the last substep: still valid while steps are only counted.
     last: LastSubstep,
     diverged: bool,
-    /// Whether the particles of modal bodies are where these have them.
+    /// Whether the particles of modal bodies are where their modes put them.
     is_placed: bool,
 }
 
@@ -56,8 +56,8 @@ impl<R: Real> Simulation<R> {
         simulation
     }
 
-    /// Goes on with another model of the same bodies and another plan, while everything keeps moving. `kept` names, for
-    /// each obstacle of the model, the one it was.
+    /// Replaces model and plan by others of the same bodies while everything keeps moving. `kept` names, for each obstacle
+    /// of the new model, the old one that it was.
     pub(super) fn replace_model(&mut self, model: Model<R>, plan: Plan, kept: &[Option<usize>], arrival: Arrival) {
         debug_assert_eq!(model.particle_count(), self.model.particle_count(), "the bodies must be the same");
         self.place_modal();
@@ -69,13 +69,12 @@ impl<R: Real> Simulation<R> {
         let sides = std::mem::take(&mut self.state.side);
         self.state.fit_sides(&model);
         sweep::keep_sides(&old, &model, kept, &sides, &mut self.state);
-        // Those on their way are still numbered as before.
+        // Running approaches still carry the old obstacle numbers.
         let running = std::mem::take(&mut self.state.approaches);
         let placed = Placed::now(&model, &self.state);
         self.state.approaches = running;
         arrive::begin(&old, &model, &plan, &placed, kept, &sides, &mut self.state);
-        // The share of the step that was taken stays taken: expensive steps come to an end however often they are
-        // edited.
+        // The share of the step that was taken stays taken: expensive steps come to an end however often they are edited.
         self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
         self.state.fit_scheme(&plan);
         self.state.fit_sleep(&plan);
@@ -108,8 +107,8 @@ impl<R: Real> Simulation<R> {
         self.place_modal();
     }
 
-    /// Takes over the motion of bodies that `before` had too, and on which side of the planes they are: `kept` names,
-    /// for each body of this simulation, the one it was. The obstacles must be the same.
+    /// Takes over the motion of the bodies that `before` had too, and on which side of the planes they are. `kept` names,
+    /// for each body of this simulation, the one that it was in `before`. The obstacles must be the same.
     pub fn carry_over(&mut self, before: &Self, kept: &[Option<usize>]) {
         for (body, old) in kept.iter().enumerate() {
             if let Some(old) = old.filter(|&old| old < before.model.bodies.len()) {
@@ -151,7 +150,7 @@ impl<R: Real> Simulation<R> {
         self.step_timed(&mut ())
     }
 
-    /// Advances by one whole step and tells `timer` of its stages.
+    /// Advances by one whole step and reports its stages to `timer`.
     pub fn step_timed(&mut self, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport::default();
         loop {
@@ -162,8 +161,8 @@ impl<R: Real> Simulation<R> {
         }
     }
 
-    /// Advances by as many whole steps as last so long, at least one where it is more than half a step, s. Ends early
-    /// where a step diverges. All particles are where they belong then: see [`Simulation::place_modal`].
+    /// Advances by `secs` (s), rounded to whole steps. Ends early where a step diverges. Also puts the particles of modal
+    /// bodies in place, see [`Simulation::place_modal`].
     pub fn run_for(&mut self, secs: f64) -> StepReport {
         let mut report = StepReport::default();
         for _ in 0..whole_steps(secs, self.plan.dt_secs) {
@@ -176,8 +175,8 @@ impl<R: Real> Simulation<R> {
         report
     }
 
-    /// Puts the particles of modal bodies where these have them. Steps leave them where they were: nothing but
-    /// this costs more with more cells.
+    /// Puts the particles of modal bodies where the modes have them. Steps do not move these particles, so that the cost of
+    /// a step does not depend on the number of cells.
     pub fn place_modal(&mut self) {
         if !self.is_placed {
             modes::place(&self.model, &mut self.state);
@@ -185,8 +184,8 @@ impl<R: Real> Simulation<R> {
         }
     }
 
-    /// Advances by one substep, or a part of one where the implicit integrator halves it. A simulation that has
-    /// diverged stays where it was last good. Where `timer` stops it, the substep is yet to be taken.
+    /// Advances by one substep, or a part of one where the implicit integrator halves it. A simulation that has diverged
+    /// keeps its last good state. If `timer` stops the substep, it still has to be taken.
     pub fn substep(&mut self, timer: &mut impl StageTimer) -> StepReport {
         if self.diverged {
             return StepReport { last: self.last, diverged: true, ..StepReport::default() };
@@ -221,7 +220,7 @@ impl<R: Real> Simulation<R> {
         self.diverged = report.diverged;
         self.is_placed = false;
         if self.diverged {
-            // What it would have met is not where the bodies still are.
+            // The contacts found belong to a motion that was not made.
             report.last = self.last;
             report.counters.peak_penetration_m = self.last.max_penetration_m;
         } else if self.state.end_part() {
@@ -237,7 +236,7 @@ impl<R: Real> Simulation<R> {
         report
     }
 
-    /// Bodies that sleep, and the modal ones at rest.
+    /// How many bodies sleep, modal bodies at rest included.
     fn bodies_asleep(&self) -> usize {
         (0..self.state.bodies.len()).filter(|body| self.is_body_asleep(*body)).count()
     }
@@ -267,13 +266,13 @@ impl<R: Real> Simulation<R> {
         &mut self.plan
     }
 
-    /// How many of some threads the bodies are worth: what plans have.
+    /// How many of `threads` threads pay off for the bodies; plans use this number.
     pub fn threads_worth(&self, threads: usize) -> usize {
         share::fitting(&self.model, threads)
     }
 
-    /// Has so many threads of the pool that steps are asked for in take them, to the same bits, until the scene is edited: a
-    /// new plan has what the process has chosen.
+    /// Sets how many threads of the caller's pool take the steps; the result is the same to the bit. It holds until the
+    /// scene is edited: a new plan uses the process's choice again.
     pub fn set_threads(&mut self, threads: usize) {
         self.plan.threads = threads.max(1);
         self.workspace.fit_threads(&self.model, &self.plan);
@@ -303,7 +302,7 @@ impl<R: Real> Simulation<R> {
         self.place_modal();
     }
 
-    /// A sleeping body's contacts are no part of the state, but are shown.
+    /// Finds the contacts of sleeping bodies, which are shown but not part of the state.
     fn find_contacts_of_sleepers(&mut self) {
         if sleep::asleep(&self.state) == 0 {
             return;
@@ -322,7 +321,7 @@ impl<R: Real> Simulation<R> {
         self.workspace.contact.samples.contacts = found.contact.samples.contacts;
         self.workspace.contact.samples.keep_of_sleepers(&self.state);
         self.workspace.contact.keep_of_sleepers(&self.model, &self.state);
-        // The steps that a longer substep covers tell what the last one did.
+        // Steps that are only counted, within a longer substep, report this again.
         self.workspace.contact.report_kept(&mut recorder);
         self.last = LastSubstep { bodies_asleep: self.bodies_asleep(), ..recorder.last };
     }
@@ -343,18 +342,18 @@ impl<R: Real> Simulation<R> {
         is_quiet && (0..self.state.bodies.len()).all(|body| self.is_body_asleep(body))
     }
 
-    /// What the last substep found of contact, by particle; of bodies asleep what they keep.
+    /// The contacts that the last substep found, by particle; sleeping bodies keep theirs.
     pub fn contacts(&self) -> &[ContactRecord<R>] {
         &self.workspace.contact.contacts
     }
 
-    /// What the last substep found of contact between bodies, by body and point; of bodies asleep what they keep.
+    /// The contacts between bodies that the last substep found, by body and point; sleeping bodies keep theirs.
     pub fn body_contacts(&self) -> &[BodyContact] {
         &self.workspace.contact.bodies.contacts
     }
 
-    /// What the last substep found of contact of bodies' meshes with obstacles, by body and point; of bodies asleep what they
-    /// keep.
+    /// The contacts of bodies' meshes with obstacles that the last substep found, by body and point; sleeping bodies keep
+    /// theirs.
     pub fn sample_contacts(&self) -> &[SampleContact] {
         &self.workspace.contact.samples.contacts
     }
@@ -374,8 +373,8 @@ impl<R: Real> Simulation<R> {
         Diagnostics::of_body(&self.model, &self.plan, &self.state, body)
     }
 
-    /// The same of every body by itself; and the pairs that push each other in the coming substep, of which the velocities
-    /// that energies are told of have a share.
+    /// Diagnostics of every body on its own, and the pairs of bodies that push each other in the coming substep: the centred
+    /// velocities in these energies contain a part of that push.
     pub fn diagnostics_of_each(&self) -> (Vec<Diagnostics>, Vec<[usize; 2]>) {
         Diagnostics::of_each(&self.model, &self.plan, &self.state)
     }
@@ -386,7 +385,7 @@ impl<R: Real> Simulation<R> {
         self.model.bodies.iter().map(|body| recovery::inverted_cells(body, &position[body.particles.clone()])).sum()
     }
 
-    /// Where obstacles are now, in their order: on their way to their places in the model, if they were moved.
+    /// Where obstacles are now, in their order: those that were moved may still be on the way to their places in the model.
     pub fn obstacles(&self) -> Placed<R> {
         Placed::now(&self.model, &self.state)
     }

@@ -1,10 +1,10 @@
-//! The threads that take a step together: those of the pool that it is asked for in.
+//! Shares the work of a step among the threads of the caller's pool.
 //!
-//! Work that can be halved is shared out: the thread that asks does one half, and whoever is free the other, or the same
-//! thread where nobody is; each halves its own again while there are threads. Whoever runs a simulation does so within a
-//! pool that stays ([`rayon::ThreadPool::install`]); elsewhere one thread does it all. Threads of a pool look for work for
-//! some microseconds and sleep then; who takes many steps keeps them awake (`machine::threads`). Nothing is allocated on the
-//! way. Work is such that its result does not depend on the halves or on who does them.
+//! Work is shared out in halves: the calling thread does one half, and a free thread the other, or the same thread where
+//! none is free; each halves its own again while there are threads. A caller that wants several threads runs the simulation
+//! within a long-lived pool ([`rayon::ThreadPool::install`]); elsewhere one thread does it all. Threads of a pool look for
+//! work for some microseconds and then sleep; `machine::threads` keeps them awake for callers that take many steps. Nothing
+//! is allocated on the way. The result does not depend on how the work is halved or on which thread does which half.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -13,10 +13,10 @@ use crate::machine::threads::{in_pool, join};
 use crate::math::Real;
 use crate::physics::model::Model;
 
-/// How many threads new plans may use; one where nobody has chosen.
+/// How many threads new plans may use; one if [`choose_step_threads`] was not called.
 static CHOSEN: OnceLock<usize> = OnceLock::new();
 
-/// Lets every plan made from now on use so many threads. Says whether it does: the first choice of a process holds.
+/// Lets every plan made from now on use `count` threads. Returns whether it does: the first choice of a process holds.
 #[must_use]
 pub fn choose_step_threads(count: usize) -> bool {
     *CHOSEN.get_or_init(|| count.max(1)) == count.max(1)
@@ -29,15 +29,15 @@ pub fn step_threads() -> usize {
 
 /// Work that can be shared out.
 pub(in crate::physics) trait Halves: Send + Sized {
-    /// Into how many pieces it can be taken apart, at least one.
+    /// Into how many pieces the work can be divided, at least one.
     fn pieces(&self) -> usize;
-    /// Two parts of as much work each as can be, where there are pieces enough.
+    /// Two parts of the work, as equal as possible. There must be at least two pieces.
     fn halve(self) -> [Self; 2];
-    /// Does it all.
+    /// Does all of the work.
     fn work(self);
 }
 
-/// Has some work done by so many threads of the pool, by this one alone where it is of none.
+/// Does some work with up to `threads` threads of the current pool; with this thread alone outside a pool.
 pub(in crate::physics) fn share(threads: usize, work: impl Halves) {
     if threads <= 1 || work.pieces() <= 1 || !in_pool() {
         return work.work();
@@ -46,11 +46,11 @@ pub(in crate::physics) fn share(threads: usize, work: impl Halves) {
     join(|| share(threads.div_ceil(2), one), || share(threads / 2, other));
 }
 
-/// Fewer particles are not shared out: what they take is no longer than it takes to hand them over.
+/// Fewer particles are not shared out: handing them over would take as long as the work.
 const FEWEST_PARTICLES: usize = 2048;
 
-/// Has what is written of some particles that follow one another worked out part by part: `work` is given the places of a
-/// part among them, and its own of each of the slices, which are of one length.
+/// Writes slices of equal length, an element a particle, part by part: `work` gets the range of a part and that part of each
+/// slice.
 pub(in crate::physics) fn by_part<T: Send, const N: usize>(
     threads: usize,
     to: [&mut [T]; N],
@@ -59,7 +59,7 @@ pub(in crate::physics) fn by_part<T: Send, const N: usize>(
     share(threads, Part { first: 0, to, fewest: FEWEST_PARTICLES, work: &work });
 }
 
-/// The same of groups of so many particles.
+/// The same for a slice with an element for each group of `group` particles.
 pub(in crate::physics) fn by_groups<T: Send>(
     threads: usize,
     group: usize,
@@ -70,15 +70,15 @@ pub(in crate::physics) fn by_groups<T: Send>(
     share(threads, Part { first: 0, to: [to], fewest: FEWEST_PARTICLES / group, work: &work });
 }
 
-/// Bodies that have fewer particles together are not shared out where what is done costs as much as contact does.
+/// The same limit for work that costs as much for each particle as contact does.
 pub(in crate::physics) const FEWEST_THAT_MEET: usize = 512;
 
-/// As many parts for each thread, where some take far longer than others: whoever is free takes the next.
+/// Parts for each thread where some may take far longer than others: a thread that is free takes the next.
 const PARTS_A_THREAD: usize = 4;
 
-/// Slices that are cut at the same places.
+/// One or several slices that can be cut in two.
 pub(in crate::physics) trait Cut: Send + Sized {
-    /// Those before a place and those from there on.
+    /// The elements before `at`, and those from there on.
     fn cut(self, at: usize) -> [Self; 2];
 }
 
@@ -107,8 +107,8 @@ impl<A: Cut> Cut for Option<A> {
     }
 }
 
-/// Has the bodies of a model looked after side by side: `work` is given some that follow one another, and its own of what
-/// there is of every body and of every particle. None has fewer particles than that, where there are more bodies.
+/// Works on the bodies of a model in parallel: `work` gets a range of bodies and its part of the data of every body and of
+/// every particle. A part has at least `fewest` particles, unless it is a single body.
 pub(in crate::physics) fn side_by_side<R: Real, B: Cut, P: Cut>(
     threads: usize,
     fewest: usize,
@@ -121,7 +121,7 @@ pub(in crate::physics) fn side_by_side<R: Real, B: Cut, P: Cut>(
     share(parts, Side { model, bodies, fewest, of_bodies, of_particles, work: &work });
 }
 
-/// Some bodies that follow one another.
+/// A range of bodies.
 struct Side<'a, R: Real, B, P, W> {
     model: &'a Model<R>,
     bodies: Range<usize>,
@@ -168,7 +168,7 @@ impl<R: Real, B: Cut, P: Cut, W: Fn(Range<usize>, B, P) + Sync> Halves for Side<
     }
 }
 
-/// The same as [`by_part`] of the bodies of a model, of which there is one each.
+/// The same as [`by_part`] for a slice with an element for each body of a model.
 pub(in crate::physics) fn by_bodies<R: Real, T: Send>(
     threads: usize,
     model: &Model<R>,
@@ -179,11 +179,11 @@ pub(in crate::physics) fn by_bodies<R: Real, T: Send>(
     by_groups(threads, mean.clamp(1, FEWEST_PARTICLES), to, work);
 }
 
-/// A part of what is written.
+/// A part of the slices that are written.
 struct Part<'a, T, W, const N: usize> {
     first: usize,
     to: [&'a mut [T]; N],
-    /// No half is shorter.
+    /// The fewest elements of a half.
     fewest: usize,
     work: &'a W,
 }

@@ -1,4 +1,4 @@
-//! Buffers with a first content, without wgpu's own `create_buffer_init`: that panics on a lost device.
+//! Buffers with initial contents. Replaces wgpu's `create_buffer_init`, which panics on a lost device.
 
 /// A buffer that holds `contents`, whose length is a multiple of 4.
 pub(super) fn filled(

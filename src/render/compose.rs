@@ -1,5 +1,4 @@
-//! Lays a picture and the panels over it onto a window's surface. The picture may have fewer pixels than its place:
-//! it is enlarged.
+//! Lays a picture, and the panels over it, onto a window's surface. A picture with fewer pixels than its place is enlarged.
 
 use super::shader;
 
@@ -8,12 +7,12 @@ use super::shader;
 pub struct Compositor {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
-    /// For pictures of their place's size, and for smaller ones.
+    /// Samplers for pictures of their place's size, and for smaller ones.
     nearest: wgpu::Sampler,
     linear: wgpu::Sampler,
 }
 
-/// A picture and panels that belong together.
+/// A picture and the panels that belong over it.
 #[derive(Debug)]
 pub struct Layers {
     bind_group: wgpu::BindGroup,
@@ -39,8 +38,8 @@ impl Compositor {
         }
     }
 
-    /// Names a picture and the panels to the pass. Both views are not sRGB; the panels have the surface's size.
-    /// `enlarged` says whether the picture is smaller than its place.
+    /// Binds a picture and the panels to the pass. Neither view is sRGB; the panels have the surface's size. `enlarged` says
+    /// whether the picture is smaller than its place.
     pub fn layers(
         &self,
         device: &wgpu::Device,
@@ -61,7 +60,7 @@ impl Compositor {
         Layers { bind_group }
     }
 
-    /// Draws layers onto the rectangle of `surface` that the picture has; what is around it stays.
+    /// Draws layers onto the picture's rectangle of `surface`; the rest of the surface stays.
     pub fn draw(
         &self,
         encoder: &mut wgpu::CommandEncoder,

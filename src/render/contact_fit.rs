@@ -1,4 +1,4 @@
-//! Where the map of contact shadows lies: a square seen from straight below, around everything that stands or falls.
+//! The place of the map of contact shadows: a square seen from straight below, around everything that casts a shadow.
 
 use glam::Vec3;
 
@@ -8,9 +8,9 @@ use crate::math::Aabb;
 pub(super) const CONTACT_SIZE: u32 = 64;
 /// How far a contact shadow reaches, as a share of the size of the smallest thing that casts one.
 const REACH: f32 = 0.3;
-/// Room left around the casters, in reaches.
+/// Room left around the casters, as a multiple of the reach.
 const MARGIN: f32 = 2.0;
-/// The least reach, texels: less would be a row of squares.
+/// The least reach, texels: a shorter one would show the texels as a row of squares.
 const LEAST_TEXELS: f32 = 2.0;
 
 /// The part of space that the map of contact shadows covers.
@@ -27,7 +27,7 @@ pub(super) struct ContactFit {
 }
 
 impl ContactFit {
-    /// The map around `casters`, of which the smallest has size `smallest`, m; a small square where there are none.
+    /// The map around `casters`, the smallest of which has size `smallest`, m; a small square if there are none.
     pub(super) fn new(casters: Aabb<f32>, smallest: f32) -> Self {
         let size = casters.size();
         if !(size.is_finite() && casters.min.cmple(casters.max).all()) {

@@ -1,4 +1,4 @@
-//! What everything that uploads is given.
+//! The device and its queue, which every upload needs.
 
 /// Makes buffers and fills them.
 #[derive(Clone, Copy, Debug)]

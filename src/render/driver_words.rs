@@ -1,7 +1,7 @@
-//! What graphics drivers write on standard error by themselves: what nobody need know is left out.
+//! Filters what graphics drivers write to standard error of their own accord: useless lines are dropped.
 
-/// Runs `work` without what drivers say of a Wayland that nobody asked for, where there is none: a layer of Vulkan looks
-/// for it whenever adapters are looked for, and complains that it has no folder. All else that is written stays.
+/// Runs `work` without the drivers' complaint about a missing Wayland folder: a Vulkan layer looks for Wayland whenever
+/// adapters are listed, even if nobody asked for it. All other output stays.
 #[cfg(unix)]
 pub(super) fn sifted<T>(work: impl FnOnce() -> T) -> T {
     if std::env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| !folder.is_empty()) {
@@ -17,7 +17,7 @@ pub(super) fn sifted<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// What is left of what drivers wrote.
+/// The useful part of what drivers wrote.
 #[cfg(unix)]
 fn of_use(written: &[u8]) -> Vec<u8> {
     let lines = written.split_inclusive(|byte| *byte == b'\n');
@@ -30,7 +30,7 @@ mod unix {
     use std::io::{self, Read, Seek, Write};
     use std::os::fd::OwnedFd;
 
-    /// Standard error goes to a file until this is dropped; then what is of use in it is written where it belongs.
+    /// Redirects standard error to a file until this is dropped; then writes the useful part to standard error.
     pub(super) struct Kept {
         standard_error: OwnedFd,
         file: File,

@@ -1,6 +1,6 @@
-//! What can go wrong with a graphics device and a picture, as sentences a person can act on.
+//! The faults of a graphics device and of a picture, as sentences a person can act on.
 
-/// A graphics device that cannot be had, or is no longer there.
+/// A graphics device that is not available, or no longer there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GpuError {
     /// The machine offers no adapter at all.
@@ -25,19 +25,19 @@ pub enum GpuError {
     NoDevice {
         /// The adapter's name.
         adapter: String,
-        /// What the driver says.
+        /// The driver's message.
         reason: String,
     },
     /// The device has gone: unplugged, reset or out of memory.
     #[error("the graphics device was lost: {reason}; opening the window or running the command again may help")]
     Lost {
-        /// What the driver says.
+        /// The driver's message.
         reason: String,
     },
     /// The device refused a command.
     #[error("the graphics device refused a command: {reason}")]
     Refused {
-        /// What the driver says.
+        /// The driver's message.
         reason: String,
     },
 }
@@ -63,7 +63,7 @@ pub enum RenderError {
         /// The longest side, pixels.
         limit: u32,
     },
-    /// The viewport is empty or reaches out of the picture.
+    /// The viewport is empty or extends beyond the picture.
     #[error("the viewport of {size:?} pixels at {origin:?} does not lie within the picture of {picture:?} pixels")]
     Viewport {
         /// Its upper left corner, pixels.
@@ -83,20 +83,20 @@ pub enum RenderError {
         /// The device's limit.
         limit: u64,
     },
-    /// A skin names a particle that is not there.
+    /// A skin refers to a particle that does not exist.
     #[error("a skin needs {needed} particles, the draw list holds {given}")]
     MissingParticles {
-        /// Particles the skin needs.
+        /// Number of particles that the skin needs.
         needed: usize,
-        /// Particles there are.
+        /// Number of particles in the draw list.
         given: usize,
     },
-    /// Not one scalar for each particle.
+    /// The number of scalars differs from the number of particles.
     #[error("{scalars} scalars were given for {particles} particles: one each is needed")]
     ScalarCount {
-        /// Scalars there are.
+        /// Number of scalars.
         scalars: usize,
-        /// Particles there are.
+        /// Number of particles.
         particles: usize,
     },
     /// The device failed.

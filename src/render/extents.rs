@@ -1,4 +1,4 @@
-//! How large what casts shadows is.
+//! The extents of everything that casts shadows.
 
 use std::ops::Range;
 
@@ -7,19 +7,19 @@ use glam::Vec3;
 use crate::math::Aabb;
 use crate::view::{DrawList, Solid};
 
-/// How large what casts shadows is.
+/// The extents of everything that casts shadows.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Extents {
-    /// The box around each skin, in their order, m; empty for absent bodies and where no particle is finite.
+    /// The bounding box of each skin, in their order, m; empty for absent bodies and for skins without finite particles.
     pub(super) skins: Vec<Aabb<f32>>,
-    /// The box around all skins and closed obstacles, m.
+    /// The bounding box of all skins and closed obstacles, m.
     pub(super) core: Aabb<f32>,
-    /// The largest side of the smallest of them, m; infinite where there is none.
+    /// The largest side of the smallest of them, m; infinite if there are none.
     pub(super) smallest: f32,
 }
 
 impl Extents {
-    /// Of the skins carried by the given ranges of particles, and of the closed obstacles.
+    /// Measures the skins carried by the given ranges of particles, and the closed obstacles.
     pub(super) fn new(particles_of_skins: impl Iterator<Item = Range<usize>>, draw_list: &DrawList) -> Self {
         let skins: Vec<Aabb<f32>> = particles_of_skins
             .map(|range| {
@@ -37,7 +37,7 @@ impl Extents {
     }
 }
 
-/// Whether a box holds a point.
+/// Whether a box is finite and not empty.
 pub(super) fn is_full(one: &Aabb<f32>) -> bool {
     one.size().is_finite() && one.min.cmple(one.max).all()
 }

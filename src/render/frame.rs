@@ -1,4 +1,4 @@
-//! What every drawing pass knows about a frame, worked out from a draw list.
+//! The data that every drawing pass needs about a frame, worked out from a draw list.
 
 use super::contact_fit::ContactFit;
 use super::extents::Extents;
@@ -11,21 +11,21 @@ use super::shadow_fit::{self, ShadowFit};
 use crate::math::Aabb;
 use crate::view::{DrawList, Solid};
 
-/// How far the ground of a scene without a floor reaches, in distances from the eye to the target.
+/// Radius of the ground of a scene without a floor, as a multiple of the distance from the eye to the target.
 const GROUND_DISTANCES: f32 = 3.5;
 
-/// Where shadows fall from, and how far they fall.
+/// The extents of the scene, and the fits of its shadow maps.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Lay {
     pub(super) extents: Extents,
-    /// The box around everything that casts a shadow, m.
+    /// The bounding box of everything that casts a shadow, m.
     casters: Aabb<f32>,
     pub(super) shadow: ShadowFit,
     pub(super) contact: ContactFit,
 }
 
 impl Lay {
-    /// Of a draw list whose skins have the given extents.
+    /// Fits the shadow maps to a draw list whose skins have the given extents.
     pub(super) fn new(draw_list: &DrawList, extents: Extents, quality: Quality) -> Self {
         let casters = shadow_fit::casters(draw_list, extents.core);
         let light = shadow_fit::unit_direction(draw_list.light.direction);
@@ -34,14 +34,14 @@ impl Lay {
         Self { extents, casters, shadow, contact }
     }
 
-    /// One per skin.
+    /// One instance for each skin.
     pub(super) fn bodies(&self, draw_list: &DrawList) -> Vec<BodyInstance> {
         let sizes = self.extents.skins.iter().map(|bounds| bounds.size().max_element());
         let sound = sizes.map(|size| if size.is_finite() && size > 0.0 { size } else { 1.0 });
         draw_list.skins.iter().zip(sound).map(|(skin, size)| BodyInstance { color: skin.color, size }).collect()
     }
 
-    /// Those of all obstacles, in their order.
+    /// The instances of all obstacles, in their order.
     pub(super) fn solids(&self, draw_list: &DrawList) -> Vec<SolidInstance> {
         let light = shadow_fit::unit_direction(draw_list.light.direction);
         let margin = 2.0 * self.contact.reach + 4.0 * self.shadow.texel;
@@ -58,7 +58,7 @@ impl Lay {
         draw_list.solids.iter().flat_map(instance).collect()
     }
 
-    /// What every drawing pass knows.
+    /// The uniform that every drawing pass reads.
     pub(super) fn uniform(&self, draw_list: &DrawList, viewport: Viewport) -> layout::Frame {
         let DrawList { camera, light, style, color_range: [low, high], .. } = draw_list;
         let [width, height] = viewport.size.map(|side| side as f32);

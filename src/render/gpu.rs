@@ -1,4 +1,4 @@
-//! The graphics device: which adapter is taken, and what has gone wrong with it since.
+//! The graphics device: chooses the adapter, and keeps the faults since then.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -7,20 +7,20 @@ use super::error::GpuError;
 use super::quality::SAMPLES;
 use super::target::DEPTH_FORMAT;
 
-/// `software` in this environment variable takes a software adapter before any hardware.
+/// If this environment variable is `software`, a software adapter is taken before any hardware.
 pub const ADAPTER_VARIABLE: &str = "GELATIN_ADAPTER";
 
 /// Which kind of adapter is tried first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preference {
-    /// The fastest; software only where there is nothing else.
+    /// The fastest; software only if there is nothing else.
     Hardware,
     /// Software, so that pictures do not depend on the machine's hardware.
     Software,
 }
 
 impl Preference {
-    /// What the environment asks for, see [`ADAPTER_VARIABLE`]; hardware by default.
+    /// The environment's preference, see [`ADAPTER_VARIABLE`]; hardware by default.
     pub fn from_environment() -> Self {
         match std::env::var(ADAPTER_VARIABLE) {
             Ok(value) if value.eq_ignore_ascii_case("software") => Self::Software,
@@ -32,7 +32,7 @@ impl Preference {
 /// An open graphics device.
 #[derive(Clone, Debug)]
 pub struct Gpu {
-    /// Where adapters and surfaces come from.
+    /// Source of adapters and surfaces.
     pub instance: wgpu::Instance,
     /// The adapter in use.
     pub adapter: wgpu::Adapter,
@@ -44,8 +44,8 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Where adapters and surfaces come from. Not OpenGL: its shading language cannot read a depth texture by texel, as our
-    /// shadows do.
+    /// Makes an instance, the source of adapters and surfaces. OpenGL is left out: its shading language cannot read a depth
+    /// texture by texel, as our shadows do.
     pub fn instance(descriptor: wgpu::InstanceDescriptor) -> wgpu::Instance {
         wgpu::Instance::new(wgpu::InstanceDescriptor { backends: wgpu::Backends::PRIMARY, ..descriptor })
     }
@@ -55,12 +55,12 @@ impl Gpu {
         Self::headless_with(Preference::from_environment())
     }
 
-    /// A device for pictures without a window, with a say in which adapter is taken.
+    /// Opens a device for pictures without a window, with the given preference of adapters.
     pub fn headless_with(preference: Preference) -> Result<Self, GpuError> {
         Self::open(Self::instance(wgpu::InstanceDescriptor::new_without_display_handle()), None, preference)
     }
 
-    /// The best device of an instance, able to show `surface` where one is given.
+    /// Opens the best device of an instance, able to show `surface` if one is given.
     pub fn open(
         instance: wgpu::Instance,
         surface: Option<&wgpu::Surface<'_>>,
@@ -88,7 +88,7 @@ impl Gpu {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }
 
-    /// What has gone wrong since the device was opened. A lost device stays lost; a refused command is told once.
+    /// Reports a fault since the device was opened. A lost device stays lost; a refused command is reported once.
     pub fn check(&self) -> Result<(), GpuError> {
         let mut fault = self.fault.lock().unwrap_or_else(PoisonError::into_inner);
         match fault.clone() {
@@ -102,7 +102,7 @@ impl Gpu {
     }
 }
 
-/// Keeps the first fault; wgpu would panic on errors that nobody listens to.
+/// Keeps the first fault. Without a handler, wgpu would panic on errors.
 fn watch(device: &wgpu::Device, fault: &Arc<Mutex<Option<GpuError>>>) {
     let keep = |fault: &Mutex<Option<GpuError>>, error: GpuError| {
         log::error!("{error}");
@@ -152,7 +152,7 @@ fn suitable(adapter: &wgpu::Adapter, surface: Option<&wgpu::Surface<'_>>) -> boo
     computes && antialiases && enough && surface.is_none_or(|surface| adapter.is_surface_supported(surface))
 }
 
-/// Lower is better.
+/// Ranks an adapter; lower is better.
 fn rank(info: &wgpu::AdapterInfo, preference: Preference) -> u8 {
     let software = info.device_type == wgpu::DeviceType::Cpu;
     match (info.device_type, preference) {
@@ -165,7 +165,7 @@ fn rank(info: &wgpu::AdapterInfo, preference: Preference) -> u8 {
     }
 }
 
-/// What is asked of a device: little, but as large pictures and buffers as it has.
+/// The limits asked of a device: low ones, but pictures and buffers as large as it offers.
 fn limits(offered: &wgpu::Limits) -> wgpu::Limits {
     wgpu::Limits {
         max_texture_dimension_1d: offered.max_texture_dimension_1d,

@@ -1,4 +1,4 @@
-//! The lines on floors: how far apart, how wide and how strong, so that they change smoothly as the eye comes nearer.
+//! The lines on floors: their spacing, width and strength, which change smoothly as the eye comes nearer.
 //!
 //! ```text
 //! eye at      1 m            3 m            10 m            30 m
@@ -8,11 +8,12 @@
 
 use crate::view::Camera;
 
-/// Levels of lines, each ten times as far apart as the one before. Two are told apart, the third comes or goes.
+/// Levels of lines, each ten times as far apart as the one before. Two levels are clearly visible, the third fades in or
+/// out.
 pub(super) const LEVELS: usize = 3;
-/// How strong fine lines are where they have wholly come, as a share of strong ones.
+/// The strength of fine lines that have faded in fully, as a share of the strength of strong ones.
 const FINE: f32 = 0.4;
-/// Seen from as many metres the lines of a metre are the strong ones and those of a decimetre have wholly come.
+/// Distance of the eye, m, at which the lines of a metre are the strong ones and those of a decimetre have faded in fully.
 const DISTANCE: f32 = 3.0;
 /// Width of a line at the point looked at, pixels.
 const WIDTH_PIXELS: f32 = 1.3;
@@ -24,7 +25,7 @@ pub(super) struct Grid {
     pub(super) spacing: f32,
     /// Width of every line, m.
     pub(super) width: f32,
-    /// How strong the lines of each level are, the finest first, 0..1.
+    /// Strength of the lines of each level, the finest first, 0..1.
     pub(super) strengths: [f32; LEVELS],
 }
 
@@ -42,7 +43,7 @@ impl Grid {
         }
     }
 
-    /// How strong lines this far apart are, 0 where there are none.
+    /// Strength of the lines with this spacing; 0 if there are none.
     #[cfg(test)]
     fn strength(&self, spacing: f32) -> f32 {
         let levels = (0..).zip(self.strengths).map(|(level, strength)| (self.spacing * 10_f32.powi(level), strength));

@@ -7,7 +7,7 @@ use crate::view;
 /// Invocations of a workgroup in `skin.wgsl`.
 pub const SKIN_WORKGROUP: u32 = 64;
 
-/// `Frame` in `frame.wgsl`: what every drawing pass knows.
+/// `Frame` in `frame.wgsl`: the data that every drawing pass reads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Frame {
@@ -15,7 +15,7 @@ pub struct Frame {
     pub clip_from_world: [[f32; 4]; 4],
     /// World to texture coordinates and depth of the shadow map.
     pub shadow_from_world: [[f32; 4]; 4],
-    /// Where the eye is, m.
+    /// Position of the eye, m.
     pub eye: [f32; 3],
     /// White light from everywhere, 0..1.
     pub ambient: f32,
@@ -29,23 +29,23 @@ pub struct Frame {
     pub shadow_span: f32,
     /// Linear red, green, blue.
     pub background_top: [f32; 3],
-    /// How opaque a full shadow on the ground is, 0..1.
+    /// Opacity of a full shadow on the ground, 0..1.
     pub shadow_opacity: f32,
     /// Linear red, green, blue.
     pub background_bottom: [f32; 3],
-    /// How opaque the strongest lines of the grid are, 0..1.
+    /// Opacity of the strongest lines of the grid, 0..1.
     pub grid_opacity: f32,
     /// Linear red, green, blue.
     pub grid: [f32; 3],
     /// Distance between the finest lines of the grid, m.
     pub grid_spacing: f32,
-    /// How strong the lines of each level are, the finest first, 0..1.
+    /// Strength of the lines of each level, the finest first, 0..1.
     pub grid_strengths: [f32; 3],
     /// Width of the lines, m.
     pub grid_width: f32,
     /// Lines and edges of planes: linear red, green, blue.
     pub plane_line: [f32; 3],
-    /// How opaque the strongest lines of planes are, 0..1.
+    /// Opacity of the strongest lines of planes, 0..1.
     pub plane_line_opacity: f32,
     /// The point looked at, m.
     pub camera_target: [f32; 3],
@@ -59,15 +59,15 @@ pub struct Frame {
     pub contact_height: f32,
     /// How far a contact shadow reaches, m.
     pub contact_reach: f32,
-    /// How much of the sky a body takes from what it touches, 0..1.
+    /// The share of the sky's light that a body takes from what it touches, 0..1.
     pub contact_opacity: f32,
     /// The scalar at the low end of the colour map.
     pub color_low: f32,
     /// Width and height of the picture, pixels.
     pub viewport: [f32; 2],
-    /// One over the range of the colour map.
+    /// One over the range of the colour map; 0 where the range is empty.
     pub color_scale: f32,
-    /// 2 to show what skins are painted in, 1 to show scalars, 0 to show each body in one colour.
+    /// 2 to show the paint of skins, 1 to show scalars, 0 to show each body in one colour.
     pub coloring: u32,
 }
 
@@ -83,7 +83,7 @@ pub struct SkinVertex {
     pub tangent_u: [f32; 8],
     /// Weights of the second tangent.
     pub tangent_v: [f32; 8],
-    /// Its own colour, a byte a channel.
+    /// The vertex's own colour, a byte a channel.
     pub tint: u32,
 }
 
@@ -94,17 +94,17 @@ impl From<&view::SkinVertex> for SkinVertex {
     }
 }
 
-/// `DeformedVertex` in `skin.wgsl`: a vertex of a skin where its particles have carried it.
+/// `DeformedVertex` in `skin.wgsl`: a vertex of a skin at its deformed position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct DeformedVertex {
     /// World coordinates, m.
     pub position: [f32; 3],
-    /// The scalar shown.
+    /// The scalar to show.
     pub scalar: f32,
-    /// Outward, of unit length; null where the surface has collapsed.
+    /// Outward unit normal; null where the surface has collapsed.
     pub normal: [f32; 3],
-    /// Its own colour, a byte a channel: sRGB, and whether it has one.
+    /// The vertex's own colour in sRGB, and whether it has one; a byte a channel.
     pub tint: u32,
 }
 
@@ -124,11 +124,11 @@ impl DeformedVertex {
 pub struct BodyInstance {
     /// Linear red, green, blue.
     pub color: [f32; 3],
-    /// Its largest side, m: how deep it is, about.
+    /// The body's largest side, m; stands for its thickness.
     pub size: f32,
 }
 
-/// The vertex input of `textured.wgsl` beside those of `mesh.wgsl`: where a vertex lies in a picture.
+/// The vertex input of `textured.wgsl` in addition to those of `mesh.wgsl`: the texture coordinates.
 pub const PLACE_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![6 => Float32x2];
 
 impl BodyInstance {
@@ -151,17 +151,17 @@ impl SolidVertex {
     pub const ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
 }
 
-/// Where an obstacle is: the inputs of `solid.wgsl` that are the same for a whole obstacle.
+/// The place of an obstacle: the inputs of `solid.wgsl` that are the same for a whole obstacle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SolidInstance {
     /// The middle, m.
     pub center: [f32; 3],
-    /// Where the shape's x axis ends, m from the middle.
+    /// The shape's x axis, from the middle to its end, m.
     pub axis_x: [f32; 3],
-    /// Where the shape's y axis ends, m from the middle.
+    /// The shape's y axis, from the middle to its end, m.
     pub axis_y: [f32; 3],
-    /// Where the shape's z axis ends, m from the middle.
+    /// The shape's z axis, from the middle to its end, m.
     pub axis_z: [f32; 3],
     /// Half the sides of a plane, m; 0 for anything else.
     pub half_extents: [f32; 2],
@@ -177,49 +177,49 @@ impl SolidInstance {
         2 => Float32x3, 3 => Float32x3, 4 => Float32x3, 5 => Float32x3, 6 => Float32x2, 7 => Float32x3, 8 => Float32x4];
 }
 
-/// `LineSet` in `lines.wgsl`: what lines of one look share.
+/// `LineSet` in `lines.wgsl`: the shared style of a set of lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct LineSet {
-    /// Linear red, green, blue and how opaque.
+    /// Linear red, green, blue and opacity.
     pub color: [f32; 4],
     /// Multiplies the width of every line, pixels.
     pub width: f32,
-    /// What is left behind other things, 0..1.
+    /// Opacity of the part behind other things, as a share, 0..1.
     pub hidden: f32,
     /// Numbers from one position to the next.
     pub stride: u32,
-    /// The position that is number 0.
+    /// The position that index 0 refers to.
     pub first: u32,
 }
 
-/// `PointSet` in `points.wgsl`: what points of one look share.
+/// `PointSet` in `points.wgsl`: the shared style of a set of points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PointSet {
-    /// Linear red, green, blue and how opaque.
+    /// Linear red, green, blue and opacity.
     pub color: [f32; 4],
     /// Diameter, pixels.
     pub size: f32,
-    /// What is left behind other things, 0..1.
+    /// Opacity of the part behind other things, as a share, 0..1.
     pub hidden: f32,
-    /// The particle that is number 0.
+    /// The particle that index 0 refers to.
     pub first: u32,
     /// Fills up to a multiple of 16 bytes.
     pub padding: u32,
 }
 
-/// `CellSet` in `cells.wgsl`: what the frames of a body's cells share.
+/// `CellSet` in `cells.wgsl`: the shared style of the frames of a body's cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CellSet {
-    /// Sound cells.
+    /// Colour of sound cells.
     pub color: [f32; 4],
-    /// Cells turned inside out.
+    /// Colour of cells turned inside out.
     pub inverted: [f32; 4],
     /// Width of the lines, pixels.
     pub width: f32,
-    /// The particle that is number 0.
+    /// The particle that index 0 refers to.
     pub first: u32,
     /// Fills up to a multiple of 16 bytes.
     pub padding: [u32; 2],
@@ -231,7 +231,7 @@ pub struct CellSet {
 pub struct SegmentInstance {
     /// The two ends.
     pub ends: [[f32; 3]; 2],
-    /// Linear red, green, blue and how opaque.
+    /// Linear red, green, blue and opacity.
     pub color: [f32; 4],
     /// Widths at the ends, pixels.
     pub widths: [f32; 2],
@@ -256,7 +256,7 @@ impl From<&view::overlay::Segment> for SegmentInstance {
 pub struct FillVertex {
     /// World coordinates, m.
     pub place: [f32; 3],
-    /// Linear red, green, blue and how opaque.
+    /// Linear red, green, blue and opacity.
     pub color: [f32; 4],
 }
 

@@ -1,4 +1,4 @@
-//! What lies on the device between frames: particles, scalars and skins, uploaded only when they are new.
+//! Data on the device between frames: particles, scalars and skins, uploaded only when they are new.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -9,10 +9,10 @@ use super::layout::{DeformedVertex, SKIN_WORKGROUP, SkinVertex};
 use super::picture::FrameCounters;
 use crate::view::{DrawList, Skin, SkinTextures};
 
-/// The most vertices of a skin: 65 535 workgroups are what every device takes.
+/// The most vertices of a skin: every device takes 65 535 workgroups.
 const MOST_VERTICES: u32 = 65_535 * SKIN_WORKGROUP;
 
-/// What lies on the device between frames.
+/// Data on the device between frames.
 #[derive(Debug, Default)]
 pub(super) struct MeshBuffers {
     particles: Option<Uploaded<Vec<[f32; 3]>>>,
@@ -21,16 +21,16 @@ pub(super) struct MeshBuffers {
     pub(super) skins: Vec<SkinBuffers>,
 }
 
-/// What a draw list has changed on the device.
+/// The changes that a draw list has caused on the device.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Changes {
-    /// Bind groups name buffers that are gone.
+    /// Whether bind groups refer to buffers that no longer exist.
     pub(super) has_new_buffers: bool,
-    /// Skins no longer lie where their particles are.
+    /// Whether skins no longer lie where their particles are.
     pub(super) needs_deforming: bool,
 }
 
-/// Data on the device, and where it came from.
+/// Data on the device, and its source.
 #[derive(Debug)]
 struct Uploaded<T> {
     source: Arc<T>,
@@ -42,23 +42,23 @@ struct Uploaded<T> {
 pub(super) struct SkinBuffers {
     source: Arc<Skin>,
     particles_needed: usize,
-    /// Where the particles that carry it are among those of all bodies.
+    /// The range of the particles that carry it, among those of all bodies.
     pub(super) particles: Range<usize>,
-    /// [`SkinVertex`] by [`SkinVertex`].
+    /// One [`SkinVertex`] after another.
     pub(super) vertices: wgpu::Buffer,
-    /// [`DeformedVertex`] by [`DeformedVertex`].
+    /// One [`DeformedVertex`] after another.
     pub(super) deformed: wgpu::Buffer,
-    /// Pairs of vertices, one an edge, and how many there are; made when they are first drawn.
+    /// Pairs of vertices, one pair per edge, and their number; made when edges are first drawn.
     edges: Option<(wgpu::Buffer, usize)>,
-    /// Three a triangle.
+    /// Indices of vertices, three per triangle.
     pub(super) indices: wgpu::Buffer,
-    /// How many indices there are.
+    /// Number of indices.
     pub(super) index_count: u32,
-    /// How many of them, at the beginning, are of triangles without a picture.
+    /// Number of indices of triangles without a picture, which come first.
     pub(super) plain_index_count: u32,
-    /// Where each vertex lies in a picture; none where the skin has no pictures.
+    /// Texture coordinates of each vertex; none if the skin has no pictures.
     pub(super) places: Option<wgpu::Buffer>,
-    /// How many vertices there are.
+    /// Number of vertices.
     pub(super) vertex_count: u32,
 }
 
@@ -88,12 +88,12 @@ impl MeshBuffers {
         })
     }
 
-    /// Three numbers a particle; none before the first draw list.
+    /// The particles, three numbers each; none before the first draw list.
     pub(super) fn particles(&self) -> Option<&wgpu::Buffer> {
         self.particles.as_ref().map(|particles| &particles.buffer)
     }
 
-    /// One number a particle; none where no scalars are shown.
+    /// The scalars, one number per particle; none where no scalars are shown.
     pub(super) fn scalars(&self) -> Option<&wgpu::Buffer> {
         self.scalars.as_ref().map(|scalars| &scalars.buffer)
     }
@@ -126,12 +126,12 @@ impl MeshBuffers {
 }
 
 impl SkinBuffers {
-    /// What it was made from.
+    /// The skin that it was made from.
     pub(super) fn source(&self) -> &Arc<Skin> {
         &self.source
     }
 
-    /// The edges of its triangles as pairs of vertices, and how many there are.
+    /// The edges of its triangles as pairs of vertices, and their number.
     pub(super) fn edges(
         &mut self,
         device: &wgpu::Device,
@@ -173,7 +173,7 @@ impl SkinBuffers {
         }
         let vertices: Vec<SkinVertex> = skin.vertices().iter().map(SkinVertex::from).collect();
         let uploaded = |label, contents: &[u8], usage| {
-            // A skin without triangles is drawn as nothing, but a buffer has to hold something.
+            // A skin without triangles draws nothing, but a buffer cannot be empty.
             let contents = if contents.is_empty() { &[0; size_of::<SkinVertex>()] } else { contents };
             filled(device, queue, label, contents, usage)
         };
@@ -202,7 +202,7 @@ impl SkinBuffers {
     }
 }
 
-/// Uploads where the source is another one than last frame's: (whether it was, whether the buffer is a new one).
+/// Uploads data if its source differs from last frame's. Returns whether it was uploaded, and whether the buffer is new.
 fn upload<T: bytemuck::NoUninit>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

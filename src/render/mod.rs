@@ -1,5 +1,5 @@
-//! The renderer: a [`crate::view::DrawList`] becomes a picture, in a window or without one. Knows meshes carried by
-//! points, solids, a camera and a light; it has never heard of a spring, a scene or a window.
+//! The renderer: turns a [`crate::view::DrawList`] into a picture, in a window or without one. Knows meshes carried by
+//! points, solids, a camera and a light; knows no springs, scenes or windows.
 //!
 //! ```text
 //! particles, scalars ─► skin (compute) ─► shadow, contact shadow ─► mesh, textured ─► solid ─► background ─► ground
@@ -7,8 +7,8 @@
 //! target, panels ─► compose ─► the window's surface
 //! ```
 //!
-//! Lifetimes: a [`Gpu`] lives as long as the program, a [`Renderer`] as long as the device and the target's format,
-//! what it uploads as long as the `Arc`s of the draw list are the same, a [`FrameTarget`] for one picture.
+//! Lifetimes: a [`Gpu`] lives as long as the program, a [`Renderer`] as long as the device and the target's format, an
+//! upload as long as the `Arc`s of the draw list are the same, a [`FrameTarget`] for one picture.
 
 pub mod compose;
 pub mod error;

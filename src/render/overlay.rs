@@ -1,5 +1,5 @@
-//! All passes of an overlay, and their place in the picture: what hangs on bodies before the bodies where these are
-//! seen through, the rest over everything.
+//! All passes of an overlay, and their place in the picture. Parts that hang on bodies are drawn before the bodies if these
+//! are see-through; the rest is drawn over everything.
 
 use super::device::Device;
 use super::error::RenderError;
@@ -32,7 +32,7 @@ impl OverlayPasses {
         }
     }
 
-    /// Brings the device up to date with what is to be drawn, the second over the first.
+    /// Brings the device up to date with the overlays to draw, the second over the first.
     pub(super) fn prepare(
         &mut self,
         device: &wgpu::Device,
@@ -49,7 +49,7 @@ impl OverlayPasses {
         self.fills.prepare(device, overlays, bytes)
     }
 
-    /// Draws what hangs on particles and skins.
+    /// Draws the parts that hang on particles and skins.
     pub(super) fn draw_carried(&self, pass: &mut wgpu::RenderPass<'_>, counters: &mut FrameCounters) {
         let drawn = [self.lines.draw_carried(pass), self.cells.draw(pass), self.points.draw_carried(pass)];
         note(counters, ["lines", "cells", "points"], drawn);

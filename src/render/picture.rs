@@ -1,13 +1,13 @@
-//! Where a picture goes, and what it has cost.
+//! The target of a picture, and the cost of drawing it.
 
-/// Where a picture goes.
+/// The target of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameTarget<'a> {
-    /// A view in the renderer's format; everything in it is overwritten.
+    /// A view in the renderer's format; all of it is overwritten.
     pub view: &'a wgpu::TextureView,
     /// The view's width and height, pixels.
     pub size: [u32; 2],
-    /// The part that shows the scene, the rest is black; all of it where absent.
+    /// The part that shows the scene, with black around it; the whole view if absent.
     pub viewport: Option<Viewport>,
 }
 
@@ -20,7 +20,7 @@ pub struct Viewport {
     pub size: [u32; 2],
 }
 
-/// What a frame has cost.
+/// The cost of a frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FrameCounters {
     /// Particle positions uploaded, bytes.
@@ -31,7 +31,7 @@ pub struct FrameCounters {
     pub static_bytes: u64,
     /// Camera, light, colours and places of obstacles uploaded, bytes.
     pub frame_bytes: u64,
-    /// Overlays uploaded, bytes: nothing when there are none.
+    /// Overlays uploaded, bytes; zero without overlays.
     pub overlay_bytes: u64,
     /// Triangles drawn into the picture.
     pub triangles: u64,

@@ -1,9 +1,9 @@
-//! Which part of a plane shadows may fall on. Looking shadows up is most of what a floor costs where a processor draws,
-//! and most of a floor is far from everything: only the middle of nine parts is drawn with shadows.
+//! Finds the part of a plane that shadows may fall on. Looking shadows up is most of the cost of a floor in software
+//! rendering, and most of a floor is far from everything, so only the middle of nine parts is drawn with shadows.
 //!
 //! ```text
 //! ┌──┬─────┬─────────┐
-//! ├──┼─────┼─────────┤   the middle part: where the box around what casts shadows lands,
+//! ├──┼─────┼─────────┤   the middle part: where the bounding box of the shadow casters lands,
 //! │  │▒▒▒▒▒│         │   along the light and straight down
 //! ├──┼─────┼─────────┤
 //! └──┴─────┴─────────┘
@@ -14,8 +14,8 @@ use glam::{Vec2, Vec3};
 use super::extents::{corners, is_full};
 use crate::math::Aabb;
 
-/// The part of the plane `center ± half_extents[0] axes[0] ± half_extents[1] axes[1]` that shadows of `casters` may
-/// fall on: its lower and upper corner, −1..1 along each side. Shadows reach `margin` farther, m.
+/// The part of the plane `center ± half_extents[0] axes[0] ± half_extents[1] axes[1]` that shadows of `casters` may fall on:
+/// its lower and upper corner, −1..1 along each side. Shadows reach `margin` (m) farther.
 pub(super) fn shadowed_part(
     (center, axes, half_extents): (Vec3, [Vec3; 2], [f32; 2]),
     casters: Aabb<f32>,
@@ -31,7 +31,7 @@ pub(super) fn shadowed_part(
     let mut part = [Vec2::INFINITY, Vec2::NEG_INFINITY];
     let mut include = |place: Vec2| part = [part[0].min(place), part[1].max(place)];
     for corner in corners(casters) {
-        // Where the box itself meets the plane.
+        // This is the place of the box itself on the plane.
         include(place(corner));
         for (from, is_light) in [(light, true), (Vec3::Y, false)] {
             let steep = from.dot(normal);
@@ -39,7 +39,7 @@ pub(super) fn shadowed_part(
                 if is_light {
                     return WHOLE;
                 }
-                // Nothing falls straight down on a wall.
+                // A shadow straight down does not fall on a wall.
                 continue;
             }
             // Shadows fall away from the light.

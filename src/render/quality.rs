@@ -1,22 +1,22 @@
-//! How finely pictures are drawn.
+//! The quality of pictures.
 
-/// Samples a pixel where edges are antialiased.
+/// Samples per pixel if edges are antialiased.
 pub const SAMPLES: u32 = 4;
 
-/// How finely a renderer draws: chosen when it is made, as its pipelines are compiled for it. Both show the same things
-/// in the same colours and with the same shadows.
+/// The quality of a renderer, chosen when it is made, as its pipelines are compiled for it. Both qualities show the same
+/// things in the same colours and with the same shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
-    /// Antialiased edges and soft edges of shadows: for graphics cards, for pictures that are kept, and for what has
-    /// come to rest.
+    /// Antialiased edges and soft edges of shadows: for graphics cards, for pictures that are kept, and for pictures without
+    /// motion.
     Fine,
-    /// One sample a pixel, and a shadow map of a quarter of the texels that is looked up once a pixel: for what moves
-    /// where a processor does the drawing.
+    /// One sample a pixel, and a shadow map of a quarter of the texels that is read once a pixel: for motion in software
+    /// rendering.
     Quick,
 }
 
 impl Quality {
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub(super) fn samples(self) -> u32 {
         match self {
             Self::Fine => SAMPLES,

@@ -1,4 +1,4 @@
-//! From the graphics device back into memory: pictures and buffers. Waits for the device, so never in a live frame.
+//! Reads pictures and buffers back from the graphics device. Waits for the device, so it has no place in a live frame.
 
 use std::sync::mpsc;
 
@@ -6,7 +6,7 @@ use super::error::{GpuError, RenderError};
 use super::gpu::Gpu;
 use crate::view::Image;
 
-/// The picture in a texture of an 8-bit RGBA format with usage `COPY_SRC`.
+/// Reads the picture in a texture of an 8-bit RGBA format with usage `COPY_SRC`.
 pub fn read_image(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Image, RenderError> {
     let size = [texture.width(), texture.height()];
     let row_bytes = 4 * size[0];
@@ -37,7 +37,7 @@ pub fn read_image(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Image, RenderErr
     Ok(Image { size, rgba })
 }
 
-/// The bytes of a buffer with usage `COPY_SRC`.
+/// Reads the bytes of a buffer with usage `COPY_SRC`.
 pub fn read_buffer(gpu: &Gpu, source: &wgpu::Buffer) -> Result<Vec<u8>, RenderError> {
     let buffer = staging(&gpu.device, source.size());
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -59,7 +59,7 @@ fn mapped(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
     let lost = |reason: String| GpuError::Lost { reason };
     let (sender, receiver) = mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The receiver is gone only where waiting has failed already.
+        // The receiver is gone only if waiting has failed already.
         let _ = sender.send(result);
     });
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;

@@ -1,4 +1,4 @@
-//! From a draw list to a finished picture: what is uploaded, and the order of the passes.
+//! Turns a draw list into a finished picture: chooses the uploads and the order of the passes.
 
 use super::device::Device;
 use super::error::RenderError;
@@ -37,7 +37,7 @@ pub struct Renderer {
     skin: SkinPass,
     shadow: ShadowPass,
     contact_shadow: ContactShadowPass,
-    /// What the maps of shadows show.
+    /// The content of the shadow maps.
     shaded: Option<(Lay, Vec<Solid>)>,
     solid: SolidPass,
     mesh: MeshPass,
@@ -135,7 +135,7 @@ impl Renderer {
         Ok(counters)
     }
 
-    /// Draws the maps of shadows, unless they show the same already.
+    /// Draws the shadow maps, unless their content is the same.
     fn shade(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -160,8 +160,8 @@ impl Renderer {
         self.shaded = Some((lay, draw_list.solids.clone()));
     }
 
-    /// The deformed vertices of the n-th skin of the last draw list, read back from the device; `None` where there is
-    /// no such skin. Waits for the device: for tests and export.
+    /// Reads the deformed vertices of the n-th skin of the last draw list back from the device; `None` if there is no such
+    /// skin. Waits for the device: for tests and export.
     pub fn read_skin(&self, gpu: &Gpu, index: usize) -> Result<Option<Vec<DeformedVertex>>, RenderError> {
         let Some(skin) = self.meshes.skins.get(index) else { return Ok(None) };
         let bytes = read_buffer(gpu, &skin.deformed)?;
@@ -191,7 +191,7 @@ impl Renderer {
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &target.depth,
-                // Infinitely far away.
+                // Depth 0 is infinitely far away.
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
                 stencil_ops: None,
             }),
@@ -211,7 +211,7 @@ impl Renderer {
             counters.passes.extend(self.textured.shows_any().then_some("textured"));
         }
         self.solid.draw(&mut pass, &self.shapes, &draw_list.solids, self.shared.solids());
-        // After what may cover them, so that hidden pixels cost nothing.
+        // The background comes after the things that may cover it, so that its hidden pixels cost nothing.
         self.background.draw(&mut pass);
         counters.passes.extend(["solid", "background"]);
         if !draw_list.solids.iter().any(Solid::is_floor) {

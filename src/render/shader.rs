@@ -1,4 +1,4 @@
-//! The table of shaders: one file a pass, some with shared declarations put in front.
+//! The table of shaders: one file per pass, some with shared declarations put in front.
 
 use std::borrow::Cow;
 
@@ -12,7 +12,7 @@ const LINE_SET: &str = include_str!("../../shaders/line_set.wgsl");
 /// A shader module.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader {
-    /// The pass it belongs to and the name of its file.
+    /// The name of its pass and of its file.
     pub name: &'static str,
     /// The parts of its source, in order.
     parts: &'static [&'static str],
@@ -22,7 +22,7 @@ pub struct Shader {
 pub const SKIN: Shader = Shader { name: "skin", parts: &[include_str!("../../shaders/skin.wgsl")] };
 /// Depth as the light sees it.
 pub const SHADOW: Shader = Shader { name: "shadow", parts: &[FRAME, include_str!("../../shaders/shadow.wgsl")] };
-/// How high the lowest surface is over every place.
+/// Height of the lowest surface over every place.
 pub const CONTACT_SHADOW: Shader =
     Shader { name: "contact_shadow", parts: &[FRAME, include_str!("../../shaders/contact_shadow.wgsl")] };
 /// Obstacles.
@@ -42,9 +42,9 @@ pub const GROUND: Shader =
 /// Overlay lines.
 pub const LINES: Shader =
     Shader { name: "lines", parts: &[FRAME, STROKE, LINE_SET, include_str!("../../shaders/lines.wgsl")] };
-/// Finds the silhouette of what is selected.
+/// Finds the silhouette of the selected thing.
 pub const SILHOUETTE: Shader = Shader { name: "silhouette", parts: &[include_str!("../../shaders/silhouette.wgsl")] };
-/// What is selected.
+/// The outline of the selected thing.
 pub const OUTLINE: Shader =
     Shader { name: "outline", parts: &[FRAME, STROKE, LINE_SET, include_str!("../../shaders/outline.wgsl")] };
 /// Frames of cells.

@@ -1,4 +1,4 @@
-//! Where the shadow map looks: as tight around what casts shadows as the light's direction allows.
+//! The view of the shadow map: as tight around everything that casts shadows as the light's direction allows.
 
 use glam::{Mat4, Vec3};
 
@@ -8,7 +8,7 @@ use crate::view::{DrawList, Solid};
 
 /// Texels left free around the casters, so that blurred shadows end inside the map.
 const BORDER_TEXELS: f32 = 4.0;
-/// Planes that would widen the map beyond this many times the rest cast no shadow: it would be a blur.
+/// A plane that would widen the map to more than this many times the rest casts no shadow, which would be a blur.
 const WIDEST_PLANE: f32 = 12.0;
 
 /// The part of space that the shadow map covers.
@@ -28,13 +28,13 @@ pub(super) fn casts(solid: &Solid, others: Aabb<f32>) -> bool {
     !solid.is_plane() || !solid.is_floor() && is_narrow()
 }
 
-/// The box around everything that casts a shadow, m, where `core` is around bodies and closed obstacles.
+/// The bounding box of everything that casts a shadow, m; `core` is that of bodies and closed obstacles.
 pub(super) fn casters(draw_list: &DrawList, core: Aabb<f32>) -> Aabb<f32> {
     let casting = draw_list.solids.iter().filter(|solid| casts(solid, core));
     casting.fold(core, |bounds, solid| bounds.joined(solid.bounds()))
 }
 
-/// Looks along the light at everything that casts a shadow; at a unit box where nothing does. The map has `size` texels
+/// Fits the map to everything that casts a shadow, along the light; to a unit box if nothing does. The map has `size` texels
 /// a side.
 pub(super) fn fit(casters: Aabb<f32>, light: Vec3, size: u32) -> ShadowFit {
     let bounds = if is_full(&casters) { casters } else { Aabb { min: Vec3::ZERO, max: Vec3::ONE } };
@@ -62,7 +62,7 @@ pub(super) fn fit(casters: Aabb<f32>, light: Vec3, size: u32) -> ShadowFit {
     ShadowFit { place_from_world, texel, span }
 }
 
-/// The direction made unit; straight from above where it has none.
+/// A direction scaled to unit length; straight up if it has no length.
 pub(super) fn unit_direction(direction: Vec3) -> Vec3 {
     direction.try_normalize().unwrap_or(Vec3::Y)
 }

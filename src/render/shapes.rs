@@ -1,6 +1,6 @@
-//! The shapes of obstacles: a square, a ball, a cube and a tube with ends. They never change; an obstacle is drawn as one
-//! of them, a capsule as a tube between two balls, with an instance for each. The mesh of an obstacle is
-//! a shape of its own, which is kept as long as the obstacle is there.
+//! The shapes of obstacles: a square, a ball, a cube and a tube with ends. The shapes never change. An obstacle is drawn as
+//! instances of them: a capsule, for example, as a tube between two balls. The mesh of an obstacle is a shape of its own,
+//! kept as long as the obstacle exists.
 
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -12,27 +12,28 @@ use super::buffer::filled;
 use super::layout::{SolidInstance, SolidVertex};
 use crate::view::{Solid, SolidCorner, SolidMesh};
 
-/// Sides of the ball's equator; half as many from pole to pole. Every triangle is paid for twice a frame, and a
-/// silhouette of as many sides is off the round one by a pixel where the ball fills a picture of 1000.
+/// Sides of the ball's equator; half as many from pole to pole. Every triangle is drawn twice a frame. A silhouette with
+/// this many sides is off the round one by a pixel if the ball fills a picture of 1000 pixels.
 const SIDES: u16 = 64;
-/// Where the square is cut into nine parts; stands for the corners of the middle one, see `solid.wgsl`.
+/// Coordinates of the lines that cut the square into nine parts; ±0.5 stand for the corners of the middle part, see
+/// `solid.wgsl`.
 const CUTS: [f32; 4] = [-1.0, -0.5, 0.5, 1.0];
 
-/// What obstacles are made of.
+/// The shapes that obstacles are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Piece {
     Square,
     Ball,
     Cube,
     Tube,
-    /// The obstacle's own.
+    /// The obstacle's own mesh.
     Mesh,
 }
 
-/// A piece where an obstacle has it: its middle, and where its axes end, m from the middle.
+/// A piece of an obstacle: its shape, its middle, and its axes from the middle to their ends, m.
 type Placed = (Piece, Vec3, [Vec3; 3]);
 
-/// What an obstacle is drawn as.
+/// The pieces that an obstacle is drawn as.
 fn pieces(solid: &Solid) -> impl Iterator<Item = Placed> + use<> {
     let ball = |center: Vec3, radius: f32| (Piece::Ball, center, Vec3::AXES.map(|axis| axis * radius));
     let tube = |center: Vec3, arm: Vec3, radius: f32| {
@@ -58,12 +59,12 @@ fn pieces(solid: &Solid) -> impl Iterator<Item = Placed> + use<> {
     pieces.into_iter().flatten()
 }
 
-/// The mesh of an obstacle that is one.
+/// The mesh of an obstacle of kind mesh.
 fn mesh_of(solid: &Solid) -> Option<&Arc<SolidMesh>> {
     if let Solid::Mesh { mesh, .. } = solid { Some(mesh) } else { None }
 }
 
-/// The pieces of all obstacles, by their instances.
+/// The pieces of all obstacles, with the numbers of their instances.
 fn placed_pieces(solids: &[Solid]) -> impl Iterator<Item = (u32, Piece, &Solid)> {
     let all = solids.iter().flat_map(|solid| pieces(solid).map(move |(piece, ..)| (piece, solid)));
     (0..).zip(all).map(|(instance, (piece, solid))| (instance, piece, solid))
@@ -78,7 +79,7 @@ pub(super) struct Shapes {
     ball: Range<u32>,
     cube: Range<u32>,
     tube: Range<u32>,
-    /// The middle one of the square's nine parts, then the eight around it.
+    /// The middle part of the square's nine, then the eight around it.
     parts: [Range<u32>; 2],
     /// The meshes of obstacles.
     meshes: Vec<MeshShape>,
@@ -126,7 +127,7 @@ impl Shapes {
         }
     }
 
-    /// Brings the meshes of some obstacles to the device, and takes those of no obstacle from it.
+    /// Uploads the meshes of these obstacles, and drops those of no obstacle.
     pub(super) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, solids: &[Solid]) {
         let wanted = || solids.iter().filter_map(mesh_of);
         self.meshes.retain(|shape| wanted().any(|mesh| Arc::ptr_eq(mesh, &shape.mesh)));
@@ -156,7 +157,7 @@ impl Shapes {
         self.draw(pass, solids, instances, |solid| solids.get(index).is_some_and(|one| std::ptr::eq(one, solid)));
     }
 
-    /// Draws those of the obstacles that are wanted, each with its own instances.
+    /// Draws the obstacles chosen, each with its own instances.
     pub(super) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -185,7 +186,7 @@ impl Shapes {
         }
     }
 
-    /// Draws the middle parts of all planes with one pipeline and what is around them with another.
+    /// Draws the middle parts of all planes with one pipeline and the parts around them with another.
     pub(super) fn draw_parts(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -210,7 +211,7 @@ impl Shapes {
 }
 
 impl SolidInstance {
-    /// Those of an obstacle in a colour; shadows may fall on the given part of a plane.
+    /// The instances of an obstacle in a colour; shadows may fall on the given part of a plane.
     pub(super) fn of(
         solid: &Solid,
         color: [f32; 3],
@@ -227,7 +228,7 @@ impl SolidInstance {
     }
 }
 
-/// Turns counter-clockwise seen from outside, as bodies do.
+/// Adds a ball whose triangles turn counter-clockwise seen from outside, as those of bodies do.
 fn add_ball(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
     let first = count(vertices.len());
     let rings = SIDES / 2;
@@ -244,7 +245,7 @@ fn add_ball(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
         for side in 0..u32::from(SIDES) {
             let corner = first + ring * row + side;
             let [a, b, c, d] = [corner, corner + 1, corner + row, corner + row + 1];
-            // The triangles at the poles have two corners in one point.
+            // A triangle at a pole has two corners in one point, so it is left out.
             if ring > 0 {
                 indices.extend([a, b, c]);
             }
@@ -255,7 +256,7 @@ fn add_ball(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
     }
 }
 
-/// A cube whose sides are 2, with sharp edges.
+/// Adds a cube whose sides are 2, with sharp edges.
 fn add_cube(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
     for axis in 0..3 {
         for outwards in [1.0, -1.0] {
@@ -263,7 +264,7 @@ fn add_cube(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
             let [n, u, v] = [axis, (axis + 1) % 3, (axis + 2) % 3].map(|axis| Vec3::AXES[axis]);
             let normal = (n * outwards).to_array();
             for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)] {
-                // Seen from outside the first turn is to the left on either side.
+                // Seen from outside, the corners turn counter-clockwise on either side.
                 let position = (n * outwards + u * (a * outwards) + v * b).to_array();
                 vertices.push(SolidVertex { position, normal });
             }
@@ -272,7 +273,7 @@ fn add_cube(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
     }
 }
 
-/// A cylinder about y of radius 1 from −1 to 1, with sharp rims.
+/// Adds a cylinder about y of radius 1 from −1 to 1, with sharp rims.
 fn add_tube(vertices: &mut Vec<SolidVertex>, indices: &mut Vec<u32>) {
     let around = |side: u16| (2.0 * PI * f32::from(side) / f32::from(SIDES)).sin_cos();
     let first = count(vertices.len());

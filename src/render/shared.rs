@@ -1,10 +1,10 @@
-//! What all drawing passes are bound to: the frame's uniform, the shadow map, the table of colours, the instances.
+//! The bindings that all drawing passes share: the frame's uniform, the shadow maps, the table of colours, the instances.
 
 use super::layout::{self, BodyInstance, SolidInstance};
 use crate::view::Colormap;
 use crate::view::colormap::TABLE_SIZE;
 
-/// What all drawing passes are bound to.
+/// The bindings that all drawing passes share.
 #[derive(Debug)]
 pub(super) struct Shared {
     uniform: wgpu::Buffer,
@@ -118,7 +118,7 @@ impl Shared {
         shared
     }
 
-    /// Uploads what belongs to one frame; gives the number of bytes.
+    /// Uploads the data of one frame; returns the number of bytes.
     pub(super) fn update(
         &mut self,
         device: &wgpu::Device,
@@ -145,12 +145,12 @@ impl Shared {
         &self.lighting
     }
 
-    /// [`BodyInstance`] by [`BodyInstance`].
+    /// The instances of bodies, one [`BodyInstance`] after another.
     pub(super) fn bodies(&self) -> &wgpu::Buffer {
         &self.bodies.buffer
     }
 
-    /// [`SolidInstance`] by [`SolidInstance`].
+    /// The instances of obstacles, one [`SolidInstance`] after another.
     pub(super) fn solids(&self) -> &wgpu::Buffer {
         &self.solids.buffer
     }
@@ -180,7 +180,7 @@ fn table_texture(device: &wgpu::Device) -> wgpu::Texture {
     })
 }
 
-/// A buffer that is written again when its content changes.
+/// A buffer that is rewritten when its content changes.
 #[derive(Debug)]
 struct Instances {
     label: &'static str,
@@ -189,7 +189,7 @@ struct Instances {
 }
 
 impl Instances {
-    /// Bytes a buffer has at least.
+    /// The least size of a buffer, bytes.
     const LEAST: u64 = 256;
 
     fn new(device: &wgpu::Device, label: &'static str) -> Self {

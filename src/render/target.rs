@@ -1,4 +1,4 @@
-//! What is drawn into before the finished picture: antialiased colour and depth, and the sizes that are possible.
+//! The textures drawn into before the picture is finished: antialiased colour and depth; and the possible sizes.
 
 use super::error::RenderError;
 use super::quality::{Quality, SAMPLES};
@@ -6,12 +6,12 @@ use super::quality::{Quality, SAMPLES};
 /// The format of depth; see [`crate::view::camera`] for why it is floating-point.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// What pipelines draw into.
+/// The output of pipelines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Output {
     /// The format of colours.
     pub format: wgpu::TextureFormat,
-    /// How finely they are drawn.
+    /// The quality of drawing.
     pub quality: Quality,
 }
 
@@ -20,9 +20,9 @@ pub struct Output {
 pub struct Target {
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Several colours a pixel; absent without antialiasing, where the picture itself is drawn into.
+    /// Several colours per pixel; absent without antialiasing, where the picture itself is drawn into.
     pub color: Option<wgpu::TextureView>,
-    /// As many depths a pixel.
+    /// As many depths per pixel.
     pub depth: wgpu::TextureView,
 }
 

@@ -1,11 +1,11 @@
-//! The pictures of skins on the device: each there once, as long as a skin has it.
+//! The pictures of skins on the device; each is there once, as long as a skin has it.
 
 use std::sync::Arc;
 
 use super::device::Device;
 use crate::math::picture::{Filter, Level, Picture, Sampling, Texture, Wrap};
 
-/// Red, green and blue are the sRGB of light times opacity.
+/// Red, green and blue are premultiplied: the sRGB of light times opacity.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 /// The pictures of skins on the device.
@@ -42,7 +42,7 @@ impl TextureCache {
         &self.layout
     }
 
-    /// A texture, uploaded and counted in `bytes_counted` where its picture is new.
+    /// Returns a texture. Uploads it, and counts it in `bytes_counted`, if its picture is new.
     pub(super) fn get(&mut self, gpu: Device<'_>, texture: &Texture, bytes_counted: &mut u64) -> wgpu::BindGroup {
         if let Some((_, bind_group)) = self.textures.iter().find(|(known, _)| is_same(known, texture)) {
             return bind_group.clone();
@@ -70,19 +70,19 @@ impl TextureCache {
         bind_group
     }
 
-    /// Forgets all but these.
+    /// Forgets all textures but these.
     pub(super) fn keep(&mut self, used: &[&Texture]) {
         self.textures.retain(|(known, _)| used.iter().any(|texture| is_same(known, texture)));
         self.pictures.retain(|(known, _)| used.iter().any(|texture| Arc::ptr_eq(known, &texture.picture)));
     }
 }
 
-/// Whether two show the very same picture in the same way.
+/// Whether two textures show the very same picture in the same way.
 fn is_same(a: &Texture, b: &Texture) -> bool {
     Arc::ptr_eq(&a.picture, &b.picture) && a.sampling == b.sampling
 }
 
-/// Puts a picture on the device, at most as fine as that takes.
+/// Uploads a picture, without levels too fine for the device.
 fn upload(Device { device, queue }: Device<'_>, picture: &Picture, bytes_counted: &mut u64) -> wgpu::TextureView {
     let levels = fitting(picture, device.limits().max_texture_dimension_2d);
     let extent =
@@ -106,7 +106,7 @@ fn upload(Device { device, queue }: Device<'_>, picture: &Picture, bytes_counted
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-/// A picture without what is finer than so many texels a side.
+/// The levels of a picture with at most `longest` texels a side.
 fn fitting(picture: &Picture, longest: u32) -> &[Level] {
     let levels = picture.levels();
     let first = levels.iter().position(|level| level.size.into_iter().all(|side| side <= longest));

@@ -1,19 +1,19 @@
-//! What overlays lie on the device with: buffers kept as long as the `Arc` they came from is drawn, and the small
-//! uniforms of one look each.
+//! Data of overlays on the device: buffers kept as long as the `Arc` they came from is drawn, and the small uniforms of one
+//! style each.
 
 use std::sync::Arc;
 
 use super::buffer::filled;
 use super::error::RenderError;
 
-/// Buffers kept as long as their source is drawn every frame.
+/// Buffers kept as long as their source is drawn in every frame.
 #[derive(Debug)]
 pub(super) struct UploadCache<T> {
     what: &'static str,
     buffers: Vec<CachedBuffer<T>>,
 }
 
-/// A buffer and where it came from.
+/// A buffer and its source.
 #[derive(Debug)]
 struct CachedBuffer<T> {
     source: Arc<Vec<T>>,
@@ -22,17 +22,17 @@ struct CachedBuffer<T> {
 }
 
 impl<T> UploadCache<T> {
-    /// Nothing yet; `what` is what errors call it.
+    /// An empty cache; `what` is its name in errors.
     pub(super) fn new(what: &'static str) -> Self {
         Self { what, buffers: Vec::new() }
     }
 
-    /// Begins a frame: what nobody asks for until [`UploadCache::end`] is forgotten there.
+    /// Begins a frame. Buffers not asked for until [`UploadCache::end`] are forgotten there.
     pub(super) fn begin(&mut self) {
         self.buffers.iter_mut().for_each(|kept| kept.used = false);
     }
 
-    /// The vertex buffer of a source, made and counted in `bytes_counted` where it is new.
+    /// The vertex buffer of a source; a new one is made and counted in `bytes_counted`.
     pub(super) fn get(
         &mut self,
         device: &wgpu::Device,
@@ -57,13 +57,13 @@ impl<T> UploadCache<T> {
         Ok(buffer)
     }
 
-    /// Ends a frame.
+    /// Ends a frame and forgets the buffers that were not used in it.
     pub(super) fn end(&mut self) {
         self.buffers.retain(|kept| kept.used);
     }
 }
 
-/// Uniforms of one look each, with the positions they go with, as bind groups; written only where they change.
+/// Bind groups of a style's uniform and the positions it is drawn at; written only where they change.
 #[derive(Debug)]
 pub(super) struct StyleUniforms {
     layout: wgpu::BindGroupLayout,
@@ -102,7 +102,7 @@ impl StyleUniforms {
         &self.layout
     }
 
-    /// Gives the n-th look its content and positions; counts what is uploaded.
+    /// Gives the n-th style its content and positions; counts what is uploaded.
     pub(super) fn set(
         &mut self,
         device: &wgpu::Device,
@@ -136,12 +136,12 @@ impl StyleUniforms {
         }
     }
 
-    /// Forgets all styles but the first `count`, and the positions they hold.
+    /// Forgets all styles after the first `count`, with their positions.
     pub(super) fn keep(&mut self, count: usize) {
         self.styles.truncate(count);
     }
 
-    /// The n-th look, if it has been set.
+    /// The bind group of the n-th style, if it has been set.
     pub(super) fn get(&self, index: usize) -> Option<&wgpu::BindGroup> {
         self.styles.get(index).map(|look| &look.bind_group)
     }

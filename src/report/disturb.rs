@@ -1,5 +1,5 @@
-//! What happens to random extreme scenes from outside while time runs: obstacles that are moved or are suddenly
-//! elsewhere, bodies that are thrown anew or put back.
+//! Disturbs random extreme scenes from outside while time runs: obstacles sweep or jump to other places, bodies are thrown
+//! anew or put back.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::physics::Arrival;
 use crate::physics::Simulation;
 use crate::scene::Scene;
 
-/// Something that happens at some time.
+/// Something that happens to a scene at some time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Disturbance {
     /// Simulated time, s.
@@ -22,24 +22,24 @@ pub struct Disturbance {
 /// What can happen to a scene while time runs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
-    /// The obstacles are those of this scene from now on.
+    /// Replaces the obstacles by those of this scene.
     Obstacles {
-        /// The scene as it is then; only obstacles differ.
+        /// The scene from then on; only its obstacles differ.
         scene: Box<Scene>,
-        /// How they get there.
+        /// Whether the obstacles sweep or jump there.
         arrival: Arrival,
     },
-    /// A body is put to where it started, deformed as it is.
+    /// Puts a body back to where it started, deformed as it is.
     Teleport(usize),
-    /// A body gets the velocity it started with.
+    /// Gives a body the velocity it started with.
     Throw(usize),
 }
 
-/// How many random scenes are disturbed.
+/// The share of random scenes that are disturbed.
 const SHARE: f64 = 0.25;
 
-/// What happens to a random scene: nothing to most. What follows from other draws than the scene itself leaves the scene
-/// what it was. Scenes of two bodies are left alone, as work from outside is judged for all bodies together.
+/// Draws what happens to a random scene: to most, nothing. The draws are separate from those that make the scene, so the
+/// scene stays the same. Scenes of two bodies are left alone, as work from outside is judged for all bodies together.
 pub(super) fn disturbances(draw: &mut Draw, scene: &Scene, size: f64) -> Vec<Disturbance> {
     if !draw.chance(SHARE) || scene.bodies.len() != 1 {
         return Vec::new();
@@ -89,7 +89,7 @@ impl Disturbance {
         }
     }
 
-    /// Lets it happen; `lattices` are those of the scene's bodies.
+    /// Carries out the disturbance; `lattices` are those of the scene's bodies.
     pub(super) fn happen<R: Real>(&self, simulation: &mut Simulation<R>, scene: &Scene, lattices: &[Arc<Lattice>]) {
         match &self.what {
             What::Obstacles { scene, arrival } => {

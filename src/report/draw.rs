@@ -1,4 +1,4 @@
-//! Random numbers as random scenes need them.
+//! Random numbers in the forms that random scenes need.
 
 use crate::math::rng::Rng;
 
@@ -14,7 +14,7 @@ impl Draw {
         self.0.between(low, high)
     }
 
-    /// Uniform in the logarithm, from 10 to one power to 10 to the other.
+    /// Uniform in the logarithm, from 10^`low` to 10^`high`.
     pub(super) fn decades(&mut self, low: f64, high: f64) -> f64 {
         libm::exp10(self.0.between(low, high)).clamp(libm::exp10(low), libm::exp10(high))
     }

@@ -1,6 +1,6 @@
-//! Random extreme scenes (R2): every value drawn over its whole range, bodies dropped from a kilometre, thrown at a
-//! kilometre a second, put into obstacles, heavy beside light, hung up by pins. Scenes follow from a seed and a number
-//! alone, so that each of them can be made again.
+//! Random extreme scenes (R2): every value is drawn over its whole range; bodies are dropped from a kilometre, thrown at a
+//! kilometre a second, put into obstacles, heavy beside light, hung up by pins. A scene follows from a seed and a number
+//! alone, so each can be made again.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::settings::{EARTH_GRAVITY, Integrator};
 use crate::scene::{ContactOn, Obstacle, ObstacleShape, Scene, Shape, builtin};
 
-/// The share of scenes with one body whose body is of two solids, and of those with springs first that are of two.
+/// The share of single bodies made of two solids, and later of first bodies of springs made of two springs.
 const INLAID: f64 = 0.15;
 
 /// The share of scenes whose body is pinned, from its top down or from one side.
@@ -26,48 +26,48 @@ const HELD: f64 = 0.2;
 /// The share of scenes whose bodies meet each other; in the others they pass through each other.
 const MEETING: f64 = 0.8;
 
-/// The share of scenes whose models meet others with their mesh.
+/// The share of scenes whose models meet other bodies with their mesh.
 const ON_MESH: f64 = 0.5;
 
-/// How much heavier than the first a second body is, or the first than it, and one solid of a body than the other.
+/// The largest ratio of masses between two bodies, and between the two materials of a body.
 const MASS_RATIO: f64 = 1000.0;
 
-/// The carried models that scenes are made of. A model more would make another scene of every seed.
+/// The carried models that scenes are made of. Adding a model would change the scenes of every seed.
 const MODELS: [&str; 5] = ["bowl.obj", "comb.obj", "coupler.obj", "spot.obj", "tree.obj"];
 
-/// How long a random scene is watched. Most take a hundredth of the links' forces at which one is cut short: of 150 scenes 6 take
-/// more, which took half of the time that all of them took. At a tenth of these, 21 were cut short.
+/// How long a random scene is watched. Most scenes take a hundredth of the link forces at which one is cut short. Of 150
+/// scenes 6 take more, and these took half of the time of all. With a tenth of the limit, 21 were cut short.
 pub fn patience(quick: bool) -> Patience {
     let (seconds, most_link_forces) = if quick { (0.5, 1_000_000) } else { (2.0, 200_000_000) };
     Patience { seconds, most_link_forces }
 }
 
-/// Which scenes follow from a seed.
+/// The rules by which scenes follow from a seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edition {
     /// Obstacles are planes and spheres. Scenes that once failed are named by a seed and a number of this edition.
     First,
-    /// The same bodies among boxes, capsules and cylinders too.
+    /// The bodies of the first edition, with boxes, capsules and cylinders among the obstacles.
     Second,
-    /// The same among the same; some bodies of springs are of two.
+    /// As the second; some bodies of springs have two kinds of them.
     Third,
-    /// The same; some models meet others with their mesh.
+    /// As the third; some models meet others with their mesh.
     Fourth,
 }
 
-/// A random scene, number `number` of those that follow from `seed`, in automatic stepping.
+/// Random scene `number` of those that follow from `seed`, in automatic stepping.
 pub fn extreme_scene(seed: u64, number: u64) -> Scene {
     extreme(seed, number).0
 }
 
-/// A random scene and what happens to it while time runs.
+/// A random scene and its disturbances while time runs.
 pub fn extreme(seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
     extreme_of(Edition::Fourth, seed, number)
 }
 
-/// The same of an edition.
+/// A random scene of an edition, and its disturbances.
 pub fn extreme_of(edition: Edition, seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
-    // Through the generator, so that the sequences of neighbouring numbers are not the same one shifted.
+    // The generator mixes the seed, so that the sequences of neighbouring numbers are not one sequence shifted.
     let mut seeds = Rng::new(seed ^ number.wrapping_mul(0xd134_2543_de82_ef95));
     let mut draw = Draw(Rng::new(seeds.next_u64()));
     let size = draw.decades(-3.0, 3.0);
@@ -86,7 +86,7 @@ pub fn extreme_of(edition: Edition, seed: u64, number: u64) -> (Scene, Vec<Distu
     let strength = if draw.chance(0.5) { draw.one_of(&[0.0, EARTH_GRAVITY, 1000.0]) } else { draw.decades(-3.0, 3.0) };
     scene.settings.gravity =
         if draw.chance(0.8) { [0.0, -strength, 0.0] } else { draw.direction().map(|x| x * strength) };
-    // Draws of their own: the scenes without are what they would be without these.
+    // Each feature below has its own draws, so that scenes without it stay the same.
     let mut more = Draw(Rng::new(seeds.next_u64()));
     if scene.bodies.len() == 1 && more.chance(INLAID) {
         let step = more.decades(-4.3, -1.5);
@@ -116,7 +116,7 @@ pub fn lattices(scene: &Scene) -> Result<Vec<Arc<Lattice>>, ResolveError> {
 }
 
 impl Draw {
-    /// A body about `size` (m) large that something happens to.
+    /// A body about `size` (m) large that falls, flies, or starts inside obstacles.
     fn body(&mut self, shape: Shape, springs: Springs, size: f64) -> Body {
         let material = Material::Springs(springs);
         let rotation_deg = self.vector(180.0);
@@ -169,8 +169,8 @@ impl Draw {
         }
     }
 
-    /// Constants over all their decades; nine in ten materials such that the stable step is some tens of microseconds or
-    /// more, as two seconds of the others take for ever.
+    /// Draws constants over all their decades. Nine materials in ten are kept soft enough for a stable step of some tens of
+    /// microseconds or more, as two seconds of the others would take too long.
     fn springs(&mut self, cell_size: f64) -> Springs {
         let particle_mass = self.decades(-6.0, 3.0);
         let (stiffest, most_damping) = if self.chance(0.1) {
@@ -186,8 +186,8 @@ impl Draw {
         Springs { structural, shear, bending, particle_mass }
     }
 
-    /// Makes a body one of two solids, a thousand times as heavy and as stiff as each other in any combination, whose
-    /// stable step is about `step` (s).
+    /// Makes a body of two solids, in any combination a thousand times as heavy and as stiff as each other, whose stable
+    /// step is about `step` (s).
     fn inlay(&mut self, body: &mut Body, cell_size: f64, size: f64, step: f64) {
         let mut solid = |density: f64, lighter: f64| {
             let speed = cell_size / step;
@@ -203,7 +203,7 @@ impl Draw {
         let [first, second] = [solid(heavy, 1.0 / MASS_RATIO), solid(heavy / MASS_RATIO, 1.0)];
         let (outside, inside) = if self.chance(0.5) { (first, second) } else { (second, first) };
         body.material = Material::Solid(outside);
-        // About half of the body.
+        // This covers about half of the body.
         let end = self.between(-0.2, 0.2) * size;
         body.inlays = vec![Inlay {
             min: [-10.0 * size; 3],
@@ -213,7 +213,7 @@ impl Draw {
         }];
     }
 
-    /// Makes about half of the first body of other springs in some scenes, up to a thousand times as heavy or light.
+    /// In some scenes, makes about half of the first body of other springs, up to a thousand times as heavy or light.
     fn other_springs(&mut self, scene: &mut Scene, cell_size: f64, size: f64) {
         let Some(Material::Springs(own)) = scene.bodies.first().map(|body| body.material.clone()) else { return };
         if !self.chance(INLAID) {
@@ -245,7 +245,7 @@ impl Draw {
         obstacles
     }
 
-    /// Boxes, capsules and cylinders in most scenes, long, flat or thick, in place of the sphere in some of them.
+    /// Adds boxes, capsules and cylinders to most scenes, long, flat or thick; in some of them the sphere is removed.
     fn closed_forms(&mut self, scene: &mut Scene, size: f64) {
         if self.chance(0.5) {
             scene.obstacles.retain(|obstacle| !matches!(obstacle.shape, ObstacleShape::Sphere(_)));
@@ -272,7 +272,7 @@ impl Draw {
         Obstacle { shape, stiffness, friction_static, friction_dynamic, ..Obstacle::default() }
     }
 
-    /// Hangs some scenes' first body, puts more bodies into some, and leaves some to their own integrator.
+    /// Hangs the first body of some scenes, puts more bodies into some, and keeps some to their own integrator.
     fn hold(&mut self, scene: &mut Scene, size: f64) {
         if self.chance(HELD) {
             let mut min = [-10.0 * size; 3];
@@ -290,7 +290,7 @@ impl Draw {
         scene.settings.allow_implicit = !self.chance(0.1);
     }
 
-    /// The same body with a thousand times or a thousandth of its mass, beside it.
+    /// A copy of the body beside it, with a thousand times or a thousandth of its mass.
     fn heavier_or_lighter(&mut self, body: &Body, springs: Springs) -> Body {
         let heavier = springs.particle_mass * if springs.particle_mass < 1.0 { MASS_RATIO } else { 1.0 / MASS_RATIO };
         let material = Material::Springs(Springs { particle_mass: heavier.clamp(1e-6, 1e3), ..springs });

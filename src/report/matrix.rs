@@ -1,5 +1,5 @@
-//! The named cases of the stability report (R2): stiffness, damping, mass and size over many decades, steps, heights,
-//! thin bodies, mass ratios, solids, bodies in obstacles, no gravity, every scheme that has a stable step.
+//! The named cases of the stability report (R2): stiffness, damping, mass and size over many decades, steps, heights, thin
+//! bodies, mass ratios, solids, bodies in obstacles, no gravity, every scheme that has a stable step.
 
 use crate::scene::body::{Body, CellsShape, CubeShape, Inlay, Pose};
 use crate::scene::material::{Material, Solid, Spring, Springs};
@@ -109,14 +109,14 @@ fn falling(springs: Springs) -> Scene {
     }
 }
 
-/// The same of a solid.
+/// A cube of a solid over the default ground.
 fn falling_solid(solid: Solid) -> Scene {
     let mut scene = falling(Springs::default());
     scene.bodies[0].material = Material::Solid(solid);
     scene
 }
 
-/// A cube of another size, everything else scaled with it: as stiff and heavy for its size as the one of a metre.
+/// A cube of another size with everything scaled: as stiff and heavy for its size as the one of a metre.
 fn sized(size: f64) -> Scene {
     let springs = springs(60.0 * size * size, 0.0, (0.005 * size * size * size).clamp(1e-6, 1e3));
     let mut scene = falling(springs);

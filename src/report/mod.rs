@@ -1,6 +1,6 @@
-//! Measurements that explain: how exact a scheme is for its time (R1), how large steps may be (R2), what a scene costs,
-//! stage by stage, and what it does not need (R3). Takes scenes and gives figures and tables; knows no files, no arguments
-//! and no window.
+//! Measurements that explain: how exact a scheme is for its time (R1), how large steps may be (R2), what a scene costs stage
+//! by stage, and what it does not need (R3). Takes scenes and returns figures and tables; knows no files, no arguments and
+//! no window.
 
 pub mod cost;
 pub mod disturb;

@@ -1,4 +1,4 @@
-//! One random scene told look by look: how its energy came to be what it is, and what was done to it on the way.
+//! One random scene told look by look: how its energy developed, and what disturbed it on the way.
 
 use std::fmt::Write;
 
@@ -19,7 +19,7 @@ pub struct SceneAccount {
     pub bodies: usize,
     pub events: Vec<Event>,
     pub verdict: Verdict,
-    /// The same in double precision, where the scene failed.
+    /// The verdict in double precision, where the scene failed.
     pub in_double: Option<Verdict>,
 }
 
@@ -29,18 +29,18 @@ pub struct SceneAccount {
 pub enum Event {
     /// A look at a body.
     Look(EnergySample),
-    /// Something was done to the scene.
+    /// A disturbance of the scene.
     Disturbed {
         /// Simulated time, s.
         time_secs: f64,
-        /// What.
+        /// What happened.
         words: String,
-        /// The work that it counts for, J.
+        /// The work counted for it, J.
         work: f64,
     },
 }
 
-/// Judges random scene `number` and keeps the account.
+/// Judges random scene `number` and keeps its account.
 ///
 /// # Errors
 /// If a shape cannot be made, which no scene of [`extreme`] should cause.
@@ -115,7 +115,8 @@ fn verdict_words(verdict: &Verdict) -> String {
     }
 }
 
-/// The scene as a file that says what `gelatin run` would leave out, and the command that repeats all of it.
+/// The scene as a scene file, with comments on the disturbances that `gelatin run` would leave out and the command that
+/// repeats everything.
 ///
 /// # Errors
 /// If the scene cannot be written.

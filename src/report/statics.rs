@@ -7,20 +7,20 @@ use crate::physics::BodyModel;
 /// The most steps of the conjugate gradients.
 const MOST_STEPS: usize = 20_000;
 
-/// A body's links about its start, in double precision.
+/// A body's links, linearised about its start, in double precision.
 #[derive(Clone, Debug)]
 pub struct Linear {
     /// Where the particles start, m.
     pub start: Vec<DVec3>,
-    /// Their masses, kg.
+    /// The particles' masses, kg.
     pub mass: Vec<f64>,
-    /// What is left of every particle's displacements: 1 where an axis is free, 0 where it is held.
+    /// Masks every particle's displacements: 1 where an axis is free, 0 where it is held.
     pub free: Vec<DVec3>,
     links: Vec<([usize; 2], DVec3, f64)>,
 }
 
 impl Linear {
-    /// The links of a compiled body.
+    /// Takes the links of a compiled body.
     pub fn of(body: &BodyModel<f64>) -> Self {
         let mut links = Vec::new();
         for family in &body.links {
@@ -42,7 +42,7 @@ impl Linear {
         }
     }
 
-    /// Holds the axes for which `held` is one at the particles chosen.
+    /// Holds the axes for which `held` is one, at the particles chosen by `chosen`.
     pub fn hold(&mut self, held: DVec3, chosen: impl Fn(DVec3) -> bool) {
         for (free, start) in self.free.iter_mut().zip(&self.start) {
             if chosen(*start) {
@@ -65,8 +65,8 @@ impl Linear {
         force
     }
 
-    /// The displacements under these loads, N, by conjugate gradients with the diagonal before them; none where they do
-    /// not converge, as for a body that nothing holds.
+    /// The displacements under these loads, N, by conjugate gradients with a diagonal preconditioner; none where they do not
+    /// converge, as for a body that nothing holds.
     pub fn solve(&self, load: &[DVec3]) -> Option<Vec<DVec3>> {
         let scale = self.inverse_diagonal();
         let mut x = vec![DVec3::ZERO; load.len()];
@@ -95,8 +95,8 @@ impl Linear {
         None
     }
 
-    /// The square of the lowest frequency, 1/s², of the vibrations that share the symmetry of `shape`, by inverse
-    /// iteration; none where nothing holds the body.
+    /// The squared frequency, 1/s², of the lowest vibration that shares the symmetry of `shape`, by inverse iteration; none
+    /// where nothing holds the body.
     pub fn lowest(&self, mut shape: Vec<DVec3>) -> Option<f64> {
         let mut lambda = f64::INFINITY;
         for _ in 0..20 {
@@ -124,7 +124,7 @@ impl Linear {
     }
 }
 
-/// A load of 1 N in all on the face of a box whose middle is the origin, shared out by area.
+/// A load of 1 N in all, spread by area over a face of a box with its middle at the origin.
 pub fn face_load(body: &Linear, size: DVec3, cell: f64, face: DVec3, direction: DVec3) -> Vec<DVec3> {
     let near = 1e-6 * cell;
     let share = |start: &DVec3| {
@@ -137,12 +137,12 @@ pub fn face_load(body: &Linear, size: DVec3, cell: f64, face: DVec3, direction: 
     body.start.iter().map(|start| direction * (share(start) / cells)).collect()
 }
 
-/// The mean displacement where a load acts, weighted by it, along it.
+/// The mean displacement along a load, weighted by the load.
 pub fn mean_along(load: &[DVec3], displacement: &[DVec3]) -> f64 {
     dot(load, displacement)
 }
 
-/// The sum of the products.
+/// The sum of the scalar products.
 pub fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }

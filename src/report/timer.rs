@@ -20,7 +20,7 @@ impl WallTimer {
         self.spent[stage as usize]
     }
 
-    /// Wall time of contact between bodies, which is in its stages too.
+    /// Wall time of contact between bodies, which the stages' times include.
     pub fn between_bodies(&self) -> Duration {
         self.between_bodies
     }

@@ -22,29 +22,31 @@ pub struct Body {
     pub velocity: [f64; 3],
     /// What it is made of.
     pub material: Material,
-    /// Boxes whose cells are of other materials of the body's form; where they overlap the last one counts.
+    /// Boxes of cells of other materials, in the same form (springs or solid) as the body's; where boxes overlap the last
+    /// one counts.
     pub inlays: Vec<Inlay>,
-    /// Parts of a model, by the names in its file, that are of other materials of the body's form; where they overlap the last
-    /// one counts, and boxes over all of them.
+    /// Named parts of a model that are of other materials in the same form; where parts overlap the last one counts, and
+    /// boxes count over parts.
     pub parts: Vec<Part>,
     /// Boxes in body coordinates (m, origin at the middle of the body's box, before the pose) whose particles are held.
     pub pins: Vec<PinBox>,
-    /// Cells whose particles are held besides: of a list by its coordinates, of others in their grid, whose lowest corner is
-    /// [0, 0, 0].
+    /// Further cells whose particles are held. Coordinates are those of a cell list or, for other shapes, of the body's
+    /// grid, whose lowest corner is [0, 0, 0].
     pub pinned_cells: Vec<[i32; 3]>,
     /// Whether it meets other bodies.
     pub collides: bool,
     /// Whether it meets itself where it folds.
     pub self_collides: bool,
-    /// Coulomb coefficient below which a particle stays where it touches another body; of the two bodies' the geometric mean.
+    /// Coulomb coefficient below which a particle that touches another body does not slide; for two bodies the geometric
+    /// mean counts.
     pub friction_static: f64,
-    /// The same of a particle that slides.
+    /// The same for a sliding particle.
     pub friction_dynamic: f64,
-    /// With what it meets obstacles and other bodies.
+    /// Whether its cells or its mesh meet obstacles and other bodies.
     pub contact_on: ContactOn,
-    /// What its motion is worked out from.
+    /// Whether it moves by its cells or by its modes.
     pub moves_by: MovesBy,
-    /// How many of the lowest modes it moves by, where it moves by modes.
+    /// How many of the lowest modes are used if it moves by modes.
     pub mode_count: u32,
     /// Which surface is drawn.
     pub skin: Skin,
@@ -58,7 +60,7 @@ impl Body {
         !(self.pins.is_empty() && self.pinned_cells.is_empty())
     }
 
-    /// Whether it has the pins of another.
+    /// Whether it has the same pins as another body.
     pub fn holds_as(&self, other: &Self) -> bool {
         (&self.pins, &self.pinned_cells) == (&other.pins, &other.pinned_cells)
     }
@@ -111,7 +113,7 @@ impl Default for Shape {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CubeShape {
-    /// Cells along an edge; one more particle.
+    /// Cells along an edge; there is one particle more.
     pub cells: u32,
     /// Edge length, m.
     pub size: f64,
@@ -155,11 +157,11 @@ pub struct ModelShape {
     pub length: f64,
     /// The axis of the file's own coordinates that points up.
     pub up: UpAxis,
-    /// What a solid's cells weigh and resist with.
+    /// Where the mass and stiffness of a solid's cells come from.
     pub mass_from: MassFrom,
-    /// Cells put beside the model's own by hand, in their grid: the lowest corner of the box around the model is [0, 0, 0].
+    /// Cells added by hand to the model's own, in their grid: the lowest corner of the box around the model is [0, 0, 0].
     pub attached: Vec<[i32; 3]>,
-    /// Those of the model's own that were taken away by hand.
+    /// Cells of the model's own that were taken away by hand, in the same grid.
     pub erased: Vec<[i32; 3]>,
 }
 
@@ -180,22 +182,22 @@ impl Default for ModelShape {
 }
 
 impl ModelShape {
-    /// What a model that was never in a scene begins with, with all of its parts: what files without a word of it mean is for
-    /// old ones.
+    /// Returns the values of a model that is new in a scene; all its parts are kept. They differ from the `Default` values,
+    /// which old scene files rely on.
     pub fn for_new() -> Self {
         Self { up: UpAxis::Auto, mass_from: MassFrom::Samples, keep: Keep::All, ..Self::default() }
     }
 }
 
-/// What the mass of a model of a solid comes from (J5). A body of springs has no use for it: its particles weigh what they
-/// are said to.
+/// Where the mass of a model comes from if it is a solid (J5). A body of springs does not use this: its particle mass is
+/// given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MassFrom {
     /// Every cell is full, however little of the model is in it.
     #[default]
     Cells,
-    /// Samples of the model: a cell weighs what is in it, and is as stiff in proportion.
+    /// Samples of the model: the mass and stiffness of a cell are in proportion to how full it is.
     Samples,
 }
 
@@ -212,8 +214,9 @@ pub struct Pose {
 /// The most inlays of a body.
 pub const MAX_INLAYS: usize = 16;
 
-/// A part of a body that is of another material of the same form: the cells whose middle is in a box in body coordinates (m, origin at
-/// the middle of the body's box, before the pose), none where its highest corner is below its lowest; and cells one by one, which no box of another takes.
+/// A part of a body that is of another material in the same form: the cells whose middle is in a box, and cells given one by
+/// one. The box is in body coordinates (m, origin at the middle of the body's box, before the pose); it holds nothing if its
+/// highest corner is below its lowest. Boxes of other inlays do not take cells given one by one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Inlay {
@@ -221,7 +224,8 @@ pub struct Inlay {
     pub min: [f64; 3],
     /// The highest corner, m.
     pub max: [f64; 3],
-    /// Cells of it besides: of a list by its coordinates, of others in their grid, whose lowest corner is [0, 0, 0].
+    /// Further cells. Coordinates are those of a cell list or, for other shapes, of the body's grid, whose lowest corner is
+    /// [0, 0, 0].
     pub cells: Vec<[i32; 3]>,
     /// What its cells are made of in a solid.
     pub solid: Solid,
@@ -232,12 +236,13 @@ pub struct Inlay {
 /// The most parts of a body that are of other materials.
 pub const MAX_NAMED_PARTS: usize = 64;
 
-/// A part of a model that is of another material of the same form: the cells most of whose surface is of that part, and those within
-/// that are nearest to them.
+/// A part of a model that is of another material in the same form: the cells most of whose surface belongs to the part, and
+/// the inner cells nearest to them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Part {
-    /// The name of a material, a group or an object of the model's file: the first of these that has the name is meant.
+    /// The name of a material, a group or an object of the model's file; the first of these kinds that has the name is
+    /// meant.
     pub name: String,
     /// What its cells are made of in a solid.
     pub solid: Solid,
@@ -256,32 +261,32 @@ pub struct PinBox {
 }
 
 impl PinBox {
-    /// Whether what is there at rest, m, is held.
+    /// Whether a particle with this rest position, m, is held.
     pub fn holds(&self, at: DVec3) -> bool {
         (at.cmpge(DVec3::from(self.min)) & at.cmple(DVec3::from(self.max))).all()
     }
 }
 
-/// What of a body meets obstacles and other bodies.
+/// Which points of a body meet obstacles and other bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ContactOn {
     /// The particles of its cells.
     #[default]
     Cells,
-    /// Points on the original mesh where the body is a model, which its cells carry; the particles of its cells otherwise.
+    /// Points on the original mesh of a model, carried by its cells; the particles of the cells where the body is no model.
     Mesh,
 }
 
-/// What the motion of a body is worked out from.
+/// What the motion of a body is computed from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MovesBy {
     /// All its cells.
     #[default]
     Cells,
-    /// Its lowest modes, at a cost that no cell adds to, about where it is held or, where nothing holds it, about a place that
-    /// moves and turns with it: right for a small swing.
+    /// Its lowest modes, at a cost that does not depend on the number of cells: right for a small swing. The modes are about
+    /// where the body is held or, where nothing holds it, about a frame that moves and turns with it.
     Modes,
 }
 

@@ -1,6 +1,6 @@
 //! The model files that the program carries, so that presets need no file beside it.
 
-/// What a model path starts with when it names one of these.
+/// The prefix of a model path that names one of these models.
 pub const PREFIX: &str = "builtin:";
 
 /// Every model carried: its name and the bytes of its OBJ file.

@@ -1,4 +1,4 @@
-//! A cell more or less of a body that has cells of its own, "Minecraft" style (GC §11): all others stay where they are.
+//! Changes a body cell by cell, "Minecraft" style (GC §11): all other cells stay where they are.
 
 use glam::DVec3;
 
@@ -9,22 +9,22 @@ use crate::math::rotation;
 /// What a brush does to a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellChange {
-    /// Puts one on the face that is touched.
+    /// Puts a cell on the touched face.
     Attach,
-    /// Takes the one away that is touched.
+    /// Takes the touched cell away.
     Erase,
-    /// Makes the one that is touched of what the inlay of this number is made of.
+    /// Gives the touched cell the material of the inlay with this number.
     Paint(usize),
-    /// Makes it of the body's own material again, as far as a brush made it one of the inlay.
+    /// Takes the touched cell out of the inlay again, if a brush put it there.
     Scrape(usize),
-    /// Holds the particles of the one that is touched.
+    /// Holds the particles of the touched cell.
     Pin,
-    /// Lets them go, as far as a brush held them.
+    /// Releases the particles of the touched cell, if a brush held them.
     Release,
 }
 
 impl CellChange {
-    /// What takes it back.
+    /// Returns the change that takes it back.
     pub fn inverse(self) -> Self {
         match self {
             Self::Attach => Self::Erase,
@@ -37,8 +37,7 @@ impl CellChange {
     }
 }
 
-/// The grid coordinates of the cells of a shape that has its own: those of a list, or of a cube from zero up; and their
-/// edge, m. None of a model.
+/// Returns the grid coordinates of the cells of a list, or of a cube from zero up, and their edge, m. None for a model.
 pub fn own_cells(shape: &Shape) -> Option<(Vec<[i32; 3]>, f64)> {
     match shape {
         Shape::Cube(CubeShape { cells, size }) => {
@@ -51,21 +50,21 @@ pub fn own_cells(shape: &Shape) -> Option<(Vec<[i32; 3]>, f64)> {
     }
 }
 
-/// How far the middle of a shape's cells is from that of another's in the grid that they share, m; none where either is a model or
-/// their cells are of other sizes.
+/// Returns the way from the middle of the old cells to that of the new ones in their common grid, m; none where either shape
+/// is a model or the cell sizes differ.
 pub fn middle_from(old: &Shape, new: &Shape) -> Option<DVec3> {
     let ((old, size), (new, new_size)) = (own_cells(old)?, own_cells(new)?);
-    // A cube and a list of the same cells differ by rounding.
+    // The cell size of a cube and that of a list of the same cells differ by rounding error.
     let is_alike = (new_size - size).abs() <= 1e-12 * size;
     is_alike.then(|| (middle(&new) - middle(&old)) * size)
 }
 
-/// The face of a cell that a point is on: the cell, and the one beyond the face. The point is in cells from the origin of
-/// the list.
+/// Finds the face of a cell that a point is on. Returns the cell and the place beyond the face. The point is in cells from
+/// the origin of the list.
 pub fn face_at(list: &[[i32; 3]], point: DVec3) -> Option<([i32; 3], [i32; 3])> {
     let has = |cell: &[i32; 3]| list.contains(cell);
     let from_middle = |cell: [i32; 3]| (point - DVec3::from(cell.map(f64::from)) - 0.5) * 2.0;
-    // Of the cells that the point is in or on, or by rounding nearly so.
+    // The nearest cell: up to rounding error the point is in or on it.
     let touched = list.iter().copied().min_by(|one, other| {
         let [one, other] = [one, other].map(|cell| from_middle(*cell).abs().max_element());
         one.total_cmp(&other)
@@ -82,13 +81,13 @@ pub fn face_at(list: &[[i32; 3]], point: DVec3) -> Option<([i32; 3], [i32; 3])> 
             faces.extend(beyond(axis, sign).map(|cell| (at[axis] * sign, cell)));
         }
     }
-    // The outermost, of equal ones the first.
+    // The face farthest out; of equal ones the first.
     let face = faces.into_iter().reduce(|best, face| if face.0 > best.0 { face } else { best })?;
     Some((touched, face.1))
 }
 
 impl ModelShape {
-    /// The same model with a cell more or less, in the grid of its own. What is done to a cell takes back what was.
+    /// Returns the model with a cell added or taken away, in its own grid. A change that reverses an earlier one cancels it.
     pub fn with_cell(&self, cell: [i32; 3], more: bool) -> Self {
         let mut model = self.clone();
         let (list, other) =
@@ -101,7 +100,7 @@ impl ModelShape {
         model
     }
 
-    /// The same model with its own cells.
+    /// Returns the model without the changes made by hand.
     pub fn without_changes(&self) -> Self {
         Self { attached: Vec::new(), erased: Vec::new(), ..self.clone() }
     }
@@ -116,13 +115,14 @@ pub fn lowest_cell(shape: &Shape) -> [i32; 3] {
     })
 }
 
-/// The grid coordinates of a cell that is so many cells from the lowest corner of that box.
+/// Returns the grid coordinates of a cell from its offset to the lowest corner of that box.
 pub fn cell_in_grid(lowest: [i32; 3], from_lowest: [u32; 3]) -> [i32; 3] {
     std::array::from_fn(|axis| lowest[axis].saturating_add_unsigned(from_lowest[axis]))
 }
 
 impl Body {
-    /// The same body with a cell painted as one of an inlay, or not any more; none where it is so, or there is no such inlay.
+    /// Returns the body with a cell painted as one of an inlay, or no longer so; none where nothing changes or the inlay
+    /// does not exist.
     pub fn with_painted(&self, cell: [i32; 3], inlay: usize, more: bool) -> Option<Self> {
         if self.inlays.get(inlay)?.cells.contains(&cell) == more {
             return None;
@@ -136,7 +136,7 @@ impl Body {
         Some(body)
     }
 
-    /// The same body with the particles of a cell held, or not any more; none where it is so.
+    /// Returns the body with the particles of a cell held, or no longer held; none where nothing changes.
     pub fn with_pinned(&self, cell: [i32; 3], more: bool) -> Option<Self> {
         if self.pinned_cells.contains(&cell) == more {
             return None;
@@ -149,7 +149,7 @@ impl Body {
         Some(body)
     }
 
-    /// The same body of a shape whose cells are others than its own: none of them is painted or held.
+    /// Returns the body with a shape of unrelated cells: none of them is painted or held.
     pub fn with_other_cells(&self, shape: Shape) -> Self {
         let mut body = Self { shape, ..self.clone() };
         body.inlays.iter_mut().for_each(|inlay| inlay.cells.clear());
@@ -157,7 +157,7 @@ impl Body {
         body
     }
 
-    /// The same body of its model filled in another way.
+    /// Returns the body with its model filled in another way. Changes made by hand stay if the divisions are the same.
     pub fn of_model(&self, model: ModelShape) -> Self {
         match &self.shape {
             Shape::Model(own) if own.divisions == model.divisions => {
@@ -167,8 +167,8 @@ impl Body {
         }
     }
 
-    /// The same body with these cells, in the grid that its own are in: each that stays is where it was, and so are its pins and
-    /// inlays. None of a model.
+    /// Returns the body with these cells, in the grid of its own: cells that stay keep their places, and so do pins and
+    /// inlays. None for a model.
     pub fn with_cells(&self, list: Vec<[i32; 3]>) -> Option<Self> {
         let (_, size) = own_cells(&self.shape)?;
         let shape = Shape::Cells(CellsShape { list, size });
@@ -187,7 +187,7 @@ impl Body {
     }
 }
 
-/// The middle of the box around cells, in cells: the origin of the coordinates of their body.
+/// Returns the middle of the box around cells, in cells: the origin of their body's coordinates.
 pub fn middle(list: &[[i32; 3]]) -> DVec3 {
     let corners = list.iter().map(|cell| DVec3::from(cell.map(f64::from)));
     let (low, high) =

@@ -68,7 +68,7 @@ pub enum Impact {
     Parameters,
     /// A body's start changes: it moves there; nothing is rebuilt.
     Motion,
-    /// Particles, links or pins change: the model is compiled anew.
+    /// Particles or links change, or pins of a body that moves by modes: the model is compiled anew.
     Topology,
 }
 
@@ -177,7 +177,7 @@ fn leaf_impact(changed: bool, impact: Impact) -> Impact {
 
 /// How deep the change of a body goes.
 pub fn body_impact(old: &Body, new: &Body) -> Impact {
-    // The modes of a body are about where it is held.
+    // The modes of a body depend on where it is held.
     let moves_by_modes = [old, new].iter().any(|body| body.moves_by == MovesBy::Modes);
     let pins = if moves_by_modes { Impact::Topology } else { Impact::Parameters };
     leaf_impact(old.shape != new.shape, Impact::Topology)
@@ -189,7 +189,7 @@ pub fn body_impact(old: &Body, new: &Body) -> Impact {
         .max(leaf_impact((old.moves_by, old.mode_count) != (new.moves_by, new.mode_count), Impact::Parameters))
 }
 
-/// How a body meets others and itself, and with what.
+/// Returns the values that decide how a body meets others and itself.
 fn among_bodies(body: &Body) -> ([bool; 2], [f64; 2], ContactOn) {
     ([body.collides, body.self_collides], [body.friction_static, body.friction_dynamic], body.contact_on)
 }

@@ -9,8 +9,8 @@
 //! ]
 //! ```
 //!
-//! They are kept as the file has them and shared between all copies of a scene: an edit, its inverse and what is saved in
-//! the background copy none of their bytes. No edit changes them.
+//! The files stay packed as in the scene file and are shared between all copies of a scene: an edit, its inverse and a save
+//! in the background copy none of their bytes. No edit changes them.
 
 use std::fmt;
 use std::io::{self, Read, Write};
@@ -27,14 +27,14 @@ use crate::disk::ReadError;
 use crate::geometry::import::HeldFiles;
 use crate::text::echo;
 
-/// What a model path starts with when it names one of these.
+/// The prefix of a model path that names one of these files.
 pub const PREFIX: &str = "embedded:";
 
 /// Model files within a scene.
 #[derive(Clone, Default, PartialEq)]
 pub struct Embedded(Arc<Vec<EmbeddedFile>>);
 
-/// One of them.
+/// A model file within a scene.
 #[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EmbeddedFile {
@@ -46,7 +46,7 @@ pub struct EmbeddedFile {
     deflated: String,
 }
 
-/// Why the text of a file does not give its bytes.
+/// Why an embedded file cannot be unpacked.
 #[derive(Debug, Error)]
 pub enum Damage {
     /// Letters that base64 does not have, or too few.
@@ -55,12 +55,12 @@ pub enum Damage {
     /// No zlib stream, or one that was changed.
     #[error("damaged: {0}")]
     Stream(#[from] io::Error),
-    /// Another number of bytes than was said.
+    /// More or fewer bytes than the scene says.
     #[error("{found} bytes and not {said}")]
     Length {
-        /// How many there are; where there are more than was said, one more.
+        /// How many bytes there are; reading stops one beyond the number the scene says.
         found: u64,
-        /// How many were said.
+        /// How many the scene says.
         said: u64,
     },
 }
@@ -69,7 +69,7 @@ impl EmbeddedFile {
     /// Packs the bytes of a file.
     pub fn pack(path: String, bytes: &[u8]) -> Self {
         let mut packer = ZlibEncoder::new(Vec::new(), Compression::default());
-        // Memory refuses nothing.
+        // Writing to memory cannot fail.
         let packed = packer.write_all(bytes).and_then(|()| packer.finish()).unwrap_or_default();
         Self { path, bytes: bytes.len() as u64, deflated: BASE64_STANDARD.encode(packed) }
     }
@@ -79,17 +79,17 @@ impl EmbeddedFile {
         Self { path, ..self }
     }
 
-    /// Its bytes.
+    /// Unpacks its bytes.
     ///
     /// # Errors
-    /// If they were damaged, or are more or fewer than was said.
+    /// If the bytes are damaged, or more or fewer than the scene says.
     pub fn unpack(&self) -> Result<Vec<u8>, Damage> {
         let mut bytes = Vec::new();
         self.unpack_into(&mut bytes)?;
         Ok(bytes)
     }
 
-    /// Writes its bytes; none are kept on the way.
+    /// Unpacks its bytes into a writer, without keeping them.
     pub(super) fn unpack_into(&self, to: &mut impl Write) -> Result<(), Damage> {
         // A person or a mail program may have broken the line.
         let is_broken = self.deflated.contains(|letter: char| letter.is_ascii_whitespace());
@@ -124,7 +124,7 @@ impl Embedded {
         &self.0
     }
 
-    /// The one of a path, or of one whose letters differ in case alone, as files on the disk are found.
+    /// Finds the file at a path, or at one that differs in case alone, as files on the disk are found.
     pub fn find(&self, path: &str) -> Option<&EmbeddedFile> {
         let of_any_case = || {
             let small = path.to_lowercase();

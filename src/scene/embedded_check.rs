@@ -1,4 +1,4 @@
-//! Whether the model files within a scene are what they say.
+//! Checks the model files within a scene.
 
 use std::io;
 
@@ -8,13 +8,13 @@ use super::param::Problem;
 use crate::geometry::import::MAX_FILE_BYTES;
 use crate::text::{echo, echo_up_to};
 
-/// All of them together may hold so many bytes: a short text can stand for very many.
+/// All files of a scene together may hold this many bytes: a short packed text can stand for very many.
 const MAX_BYTES: u64 = MAX_FILE_BYTES;
 
-/// The longest path of one, bytes.
+/// The longest path of a file, bytes.
 const MAX_PATH: usize = 1024;
 
-/// Everything that is wrong with them; no bytes are kept on the way.
+/// Lists everything that is wrong with the files, without keeping their bytes.
 pub(super) fn problems(models: &Embedded) -> Vec<Problem> {
     let files = models.files();
     let problem =
@@ -54,7 +54,7 @@ pub(super) fn problems(models: &Embedded) -> Vec<Problem> {
     problems
 }
 
-/// Whether a path stays among its files.
+/// Whether a path stays among the scene's files.
 fn is_sound(path: &str) -> bool {
     let is_name = |name: &str| !matches!(name, "" | "." | "..") && !name.contains(['\\', ':', '\0']);
     path.len() <= MAX_PATH && path.split('/').all(is_name)

@@ -75,7 +75,7 @@ pub enum SceneFileError {
         /// Its version.
         found: u64,
     },
-    /// A version that never was.
+    /// A version below the first one.
     #[error("{name}: has format version {found}, the first one is 1")]
     Older {
         /// The file.
@@ -202,7 +202,7 @@ impl Scene {
     }
 }
 
-/// The path of what an error is about; `last` is that of what was read last.
+/// Returns the path that an error is about; `last` is the path that was read last.
 fn path_of(error: &ron::Error, last: &str) -> String {
     match error {
         ron::Error::MissingStructField { field, .. } => match last.rsplit_once('.') {

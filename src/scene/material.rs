@@ -60,7 +60,7 @@ pub struct Solid {
     /// Damping of the slowest vibration along the body over the damping at which it would no longer swing. Faster
     /// vibrations are damped more, in proportion to their frequency.
     pub damping_ratio: f64,
-    /// Contraction across over extension along, as somebody has noted it: the body has [`POISSON_RATIO`] all the same.
+    /// Contraction across over extension along, a note only: whatever it says, the body has [`POISSON_RATIO`].
     pub poisson_ratio: f64,
 }
 

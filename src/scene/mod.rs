@@ -52,7 +52,7 @@ pub struct Scene {
     /// The soft bodies.
     #[serde(default)]
     pub bodies: Vec<Body>,
-    /// The fixed things they meet.
+    /// The rigid things that bodies meet.
     #[serde(default)]
     pub obstacles: Vec<Obstacle>,
     /// How the scene is looked at; never changes the motion.

@@ -4,8 +4,8 @@ use super::Scene;
 use super::edit::Edit;
 
 impl Scene {
-    /// Makes the name that an edit gives to a body or an obstacle one that nothing else has: a second "ogre" becomes
-    /// "ogre 2". What keeps its name is left alone, and what has none stays without.
+    /// Makes the name that an edit gives to a body or an obstacle unique: a second "ogre" becomes "ogre 2". An unchanged
+    /// name and an empty one are left alone.
     pub fn tell_apart(&self, edit: &mut Edit) {
         let own_body = if let Edit::Body(id, _) = edit { Some(id.0) } else { None };
         let own_obstacle = if let Edit::Obstacle(id, _) = edit { Some(id.0) } else { None };
@@ -30,7 +30,7 @@ impl Scene {
     }
 }
 
-/// The name itself or, where it is taken, the first with a number that is not.
+/// Returns the name or, where it is taken, the first numbered form of it that is free.
 fn free(name: &str, taken: &[&str]) -> String {
     if !taken.contains(&name) {
         return name.to_owned();

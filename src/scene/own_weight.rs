@@ -1,9 +1,9 @@
-//! Whether a body carries its own weight, and at which size it would.
+//! Whether a body carries its own weight, and if not, at which size it does.
 //!
-//! At the foot of an even column of height L the weight ρ g L is carried by a solid of modulus E, which is strained by
-//! ρ g L / E there and sags by half of that share. Where this is a quarter a cube set down on the ground keeps 87 % of
-//! its height, where it is 0.3 about 75 %, and from there on it folds (measured, 6 to 9 cells an edge). A smaller body
-//! of the same form has a smaller L: everything softer than stone stands where it is small enough.
+//! At its foot an even column of height L carries its weight ρ g L per area. A solid of modulus E has the strain ρ g L / E
+//! there, and the column sags by half that share of its height. At a strain of 0.25 a cube set down on the ground keeps 87 %
+//! of its height, at 0.3 about 75 %; above that it folds (measured, 6 to 9 cells an edge). A smaller body of the same form
+//! has a smaller L: everything softer than stone stands if it is small enough.
 
 use glam::{DMat3, DVec3};
 
@@ -14,27 +14,27 @@ use crate::geometry::Lattice;
 use crate::math::Aabb;
 use crate::math::rotation::{from_euler_deg, to_euler_deg};
 
-/// The largest strain at its foot with which a body stands.
+/// The largest strain at the foot of a body that stands.
 const STANDS: f64 = 0.25;
-/// The strain that a body has at most at the size that is offered.
+/// The largest strain at the foot of a body of the size offered.
 const OFFERED: f64 = 0.23;
-/// The sizes that are offered, in a decade.
+/// The sizes offered, in a decade.
 const SIZES: [f64; 10] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
-/// A body is set down this share of its size above what it will stand on, and its place is rounded to half of that.
+/// A body is set down this share of its size above the ground; its position is rounded to a quarter of that or finer.
 const GAP: f64 = 2e-3;
 
-/// How a body is built, as far as it matters to how it stands. Lengths at rest.
+/// The build of a body, as far as it matters to whether it stands. Lengths at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stature {
     /// The extents of its box along its own axes, m.
     pub size_m: [f64; 3],
-    /// The height of the even column that would sag by the same share, m, for every axis: where the weight is towards
-    /// its end and where it is towards its beginning. Thin legs make it longer than the body.
+    /// The height of the even column that would sag by the same share, m, for every axis: first with the weight along the
+    /// axis, then against it. Thin legs make it longer than the body.
     columns_m: [[f64; 2]; 3],
 }
 
 impl Stature {
-    /// Of the cells of a body.
+    /// Measures the cells of a body.
     pub fn of(lattice: &Lattice) -> Self {
         let rest = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle));
         let size_m = Aabb::<f64>::around(rest).size().to_array();
@@ -54,7 +54,7 @@ impl Stature {
         self.size_m.into_iter().fold(0.0, f64::max)
     }
 
-    /// The strain at the foot of a body of a solid that starts turned like this.
+    /// Returns the strain at the foot of a body of a solid in its starting rotation.
     fn strain(&self, solid: &Solid, rotation_deg: [f64; 3], gravity: [f64; 3]) -> f64 {
         let own = from_euler_deg(rotation_deg).transpose() * DVec3::from(gravity);
         let axis = (0..3).max_by(|&a, &b| own[a].abs().total_cmp(&own[b].abs())).unwrap_or(1);
@@ -62,15 +62,15 @@ impl Stature {
         solid.density * own.length() * column / solid.young_modulus
     }
 
-    /// The longest extent at which a body of a solid stands, a round number of metres, where the body is too large to;
-    /// a body that is held is not asked to stand.
+    /// Returns the longest extent at which a body of a solid stands, a round number of metres; none where it stands as it is
+    /// or is held by pins.
     pub fn size_to_stand(&self, body: &Body, solid: &Solid, gravity: [f64; 3]) -> Option<f64> {
         let strain = self.strain(solid, body.pose.rotation_deg, gravity);
         let stands = strain <= STANDS || body.has_pins();
         (!stands).then(|| round_below(self.longest_m() * OFFERED / strain))
     }
 
-    /// The body with another longest extent, set down flat on what is below a place.
+    /// Returns the body with another longest extent, set down flat on the ground below a place.
     pub fn set_down(
         &self,
         body: &Body,
@@ -102,7 +102,7 @@ pub fn largest_cube(solid: &Solid, gravity: [f64; 3]) -> f64 {
     if size.is_finite() { round_below(size) } else { size }
 }
 
-/// The height of the even column that sags by the same share as layers of cells with this edge, from the top one on.
+/// Returns the height of the even column that sags by the same share as layers of cells with this edge, listed from the top.
 fn column<'a>(layers: impl Iterator<Item = &'a f64>, cell: f64) -> f64 {
     let [mut height, mut above, mut sag] = [0.0; 3];
     for count in layers.copied().filter(|count| *count > 0.0) {
@@ -113,7 +113,7 @@ fn column<'a>(layers: impl Iterator<Item = &'a f64>, cell: f64) -> f64 {
     if height > 0.0 { 2.0 * cell * sag / height } else { 0.0 }
 }
 
-/// The body with all lengths so many times as long; its longest extent is then `longest_m`.
+/// Returns the body with all lengths multiplied by a factor; its longest extent is then `longest_m`.
 fn scaled(body: &Body, factor: f64, longest_m: f64) -> Body {
     let mut body = body.clone();
     match &mut body.shape {
@@ -150,7 +150,7 @@ fn ground_below(obstacles: &[Obstacle], from: DVec3, down: DVec3) -> Option<Grou
             (aside < sphere.radius * sphere.radius && way >= 0.0)
                 .then(|| (way, ((offset + down * way) / sphere.radius).normalize_or(-down)))
         }
-        // The box around it: what lies on one that is turned is moved aside by hand.
+        // The bounding box stands for the shape: on a turned obstacle a person moves the body by hand.
         ObstacleShape::Box(_) | ObstacleShape::Capsule(_) | ObstacleShape::Cylinder(_) | ObstacleShape::Mesh(_) => {
             hit_box(&obstacle.shape.bounds(), from, down).map(|way| (way, -down))
         }
@@ -187,7 +187,7 @@ fn hit_plane(plane: &Plane, from: DVec3, down: DVec3) -> Option<(f64, DVec3)> {
     (way >= 0.0 && within).then(|| (way, turn.y_axis * -slope.signum()))
 }
 
-/// A rotation, turned on by as little as brings an axis along a normal.
+/// Turns a rotation further by the least angle that brings one of its axes along a normal.
 fn flat(turn: DMat3, normal: DVec3) -> DMat3 {
     let axes = [turn.x_axis, turn.y_axis, turn.z_axis];
     let nearest = axes.into_iter().max_by(|a, b| a.dot(normal).abs().total_cmp(&b.dot(normal).abs()));
@@ -200,12 +200,12 @@ fn flat(turn: DMat3, normal: DVec3) -> DMat3 {
 }
 
 fn rounded(values: DVec3, unit: f64) -> DVec3 {
-    // Ten to a whole power, so that what is written down is short.
+    // A whole power of ten, so that the number is short when written.
     let digits = 10_f64.powf(-unit.log10().floor());
     (values * digits).round() / digits
 }
 
-/// The largest size of the list that is no larger.
+/// Returns the largest size of the list that is not above this one.
 fn round_below(size: f64) -> f64 {
     let decade = 10_f64.powf(size.log10().floor());
     let share = SIZES.into_iter().rev().find(|share| share * decade <= 1.001 * size).unwrap_or(1.0);

@@ -6,7 +6,7 @@ use super::{Body, Shape};
 use crate::geometry::Lattice;
 use crate::text::echo;
 
-/// The first part of a scene's body that is of another material and that its model does not have.
+/// Returns the problem of the first named part of a body that its model does not have.
 pub fn part_problem(place: usize, body: &Body, lattice: &Lattice) -> Option<Problem> {
     let names = lattice.parts.as_ref().map(|parts| &parts.names);
     let at = body.parts.iter().position(|part| !names.is_some_and(|names| names.has(&part.name)))?;

@@ -1,5 +1,5 @@
-//! Setting one value of a scene by its path and a text, as `--set PATH=VALUE` does. Works on the serialised tree, so
-//! that every name is the one of the file; what a value may be comes from [`super::param`].
+//! Setting one value of a scene by its path and a text, as `--set PATH=VALUE` does. Works on the serialised tree, so that
+//! every name is as in the file; the allowed values come from [`super::param`].
 
 use serde_json::{Number, Value};
 use thiserror::Error;
@@ -53,7 +53,7 @@ const FORMS: [(&str, &[&str]); 4] = [
     ("obstacles.*.motion", &Motion::NAMES),
 ];
 
-/// The vector that a single number may stand for: its pull downwards.
+/// The vector that a single number may stand for: the pull downwards.
 const GRAVITY: &str = "settings.gravity";
 
 /// Sets the value at a path. A path into a form that the body or obstacle does not have now switches to that form
@@ -66,7 +66,7 @@ pub fn set(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathError> {
     done
 }
 
-/// The same without the models that the scene holds: they are no values, and may be very long.
+/// The same without the model files that the scene holds: they are not settings, and may be very long.
 fn set_in_tree(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathError> {
     let (path, text) = (path.trim(), text.trim());
     let refused = |reason: String| PathError::BadText { path: echo(path), text: echo(text), allowed: reason };
@@ -77,7 +77,7 @@ fn set_in_tree(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathErro
     } else if let Some(param) = param::find(path) {
         parse(param, path, text).ok_or_else(|| refused(allowed(param, path)))?
     } else {
-        // Whether there is such a path at all is the first thing to know.
+        // An unknown path is reported before a text that cannot be read.
         navigate(&mut tree, path, path)?;
         parse_tree(text).ok_or_else(|| refused("what a scene file may have there".to_owned()))?
     };
@@ -93,7 +93,7 @@ fn set_in_tree(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathErro
         return Err(PathError::BadValue(problem));
     }
     let mut changed: Scene = serde_json::from_value(tree).map_err(|error| refused(echo(&error.to_string())))?;
-    // What was read of a model's file is in no tree.
+    // The surface read from a model's file is not serialised.
     for (obstacle, before) in changed.obstacles.iter_mut().zip(&mut scene.obstacles) {
         if let (ObstacleShape::Mesh(mesh), ObstacleShape::Mesh(was)) = (&mut obstacle.shape, &mut before.shape) {
             mesh.loaded = std::mem::take(&mut was.loaded);
@@ -103,7 +103,7 @@ fn set_in_tree(scene: &mut Scene, path: &str, text: &str) -> Result<(), PathErro
     Ok(())
 }
 
-/// The node at a path, made where it belongs to another form.
+/// Finds the node at a path. A missing node gets its default, and replaces the other forms where it is one of several.
 fn navigate<'a>(tree: &'a mut Value, path: &str, asked: &str) -> Result<&'a mut Value, PathError> {
     let unknown = || PathError::Unknown { path: echo(asked), nearest: nearest(asked) };
     let mut node = tree;
@@ -152,7 +152,7 @@ fn parse(param: &Param, path: &str, text: &str) -> Option<Value> {
             let entries: Vec<Value> =
                 inner.split(',').map(|entry| scalar(param, entry.trim())).collect::<Option<_>>()?;
             match entries.as_slice() {
-                // Outside its range it is refused as it was given, not as the vector that it would become.
+                // A number outside its range is refused as it was given, not as the vector that it would become.
                 [g @ Value::Number(number)] if param.path == GRAVITY => {
                     let down = number.as_f64().filter(|_| param.check(g).is_none())?;
                     Some(Value::from(vec![0.0, 0.0 - down, 0.0]))
@@ -195,9 +195,9 @@ fn allowed(param: &Param, path: &str) -> String {
     }
 }
 
-/// The three paths nearest to one that does not exist, with the places in lists that it gave.
+/// Returns the three paths nearest to one that does not exist, with the list places of that one.
 fn nearest(path: &str) -> String {
-    // A longer number is no place in a list.
+    // A number of more digits is not taken for a place in a list.
     let is_place = |name: &&str| (1..=6).contains(&name.len()) && name.bytes().all(|byte| byte.is_ascii_digit());
     let generic: Vec<&str> = path.split('.').map(|name| if is_place(&name) { "*" } else { name }).collect();
     let generic = generic.join(".");

@@ -1,9 +1,9 @@
-//! Where something new goes: near where a person looks, on what is there, apart from other things.
+//! Finds where something new goes: near where a person looks, on what is there, apart from other things.
 //!
-//! A new thing stands beside what is there, not on it, where there is room: it gets a column of its
-//! own, from the ground up. Columns are tried on a grid around the place looked at, nearest first, and those beside it
-//! before those behind or in front of it, where one thing would hide the other. Where no column is free any more, as on
-//! a small floor, things are stacked.
+//! Where there is room a new thing stands beside the others, not on them: it gets a column of its own, from the ground up.
+//! Columns are tried on a grid around the place looked at, nearest first. Columns to its left and right come before those
+//! behind or in front of it, where one thing would hide the other. Where no column is free, as on a small floor, things are
+//! stacked.
 
 use glam::{DVec2, DVec3};
 
@@ -17,9 +17,9 @@ const STEEPEST: f64 = 0.77;
 const GAP: f64 = 0.25;
 /// Columns tried on either side of the place looked at; they are half a size apart.
 const RINGS: i32 = 40;
-/// How much nearer something beside the place looked at counts than something as far behind or in front of it.
+/// A column behind or in front of the place looked at counts as this many times as far away as one beside it.
 const BESIDE: f64 = 1.6;
-/// Something higher above the place looked at than this many sizes is a roof: nothing is put on it.
+/// A floor more than this many sizes above the place looked at is a roof: nothing is put on it.
 const ROOF: f64 = 2.5;
 
 /// Where a person looks.
@@ -62,7 +62,7 @@ enum Below {
 }
 
 impl Surroundings {
-    /// Of a scene whose bodies are in these boxes now (m); a body that is not there has an empty one.
+    /// Takes a scene and the present boxes of its bodies, m; empty and non-finite boxes are left out.
     pub fn new(scene: &Scene, bodies: impl IntoIterator<Item = Aabb<f64>>) -> Self {
         let is_there = |bounds: &Aabb<f64>| bounds.size().is_finite() && bounds.min.cmple(bounds.max).all();
         let mut made = Self { bodies: bodies.into_iter().filter(is_there).collect(), ..Self::default() };
@@ -75,7 +75,8 @@ impl Surroundings {
         made
     }
 
-    /// The middle of a box of this size (m) that stands near where a person looks, `above` what carries it (m).
+    /// Returns the middle of a box of this size (m) that stands near where a person looks, `above` the thing that carries it
+    /// (m).
     pub fn place(&self, look: Look, size: DVec3, above: f64) -> DVec3 {
         let look = Look { at: if look.at.is_finite() { look.at } else { DVec3::ZERO }, ..look };
         let middle = self.clipped(look.at);
@@ -107,7 +108,7 @@ impl Surroundings {
         rounded(DVec3::new(at.x, top + above + 0.5 * size.y, at.y), size)
     }
 
-    /// The place looked at, seen from above, or the nearest to it where anything is.
+    /// Returns the place looked at, seen from above, or the nearest place to it within the box around everything.
     fn clipped(&self, at: DVec3) -> DVec2 {
         let floors = self.floors.iter().map(|floor| floor.bounds);
         let all = self.bodies.iter().chain(&self.blocks).copied().chain(floors);
@@ -137,7 +138,7 @@ impl Surroundings {
         below
     }
 
-    /// The top of what lies in the column of a box that no floor carries as a whole, m.
+    /// Returns the top of everything in the column of a box, m; used where no floor carries the whole box.
     fn top_below(&self, foot: &Aabb<f64>) -> f64 {
         let floors = self.floors.iter().map(|floor| floor.bounds);
         let all = self.bodies.iter().chain(&self.blocks).copied().chain(floors);
@@ -148,7 +149,7 @@ impl Surroundings {
 }
 
 impl Floor {
-    /// None where an obstacle is no plane or one too steep to carry anything.
+    /// Returns none where an obstacle is not a plane or is too steep to carry anything.
     fn new(obstacle: &Obstacle) -> Option<Self> {
         let ObstacleShape::Plane(plane) = obstacle.shape else { return None };
         let turn = rotation::from_euler_deg(plane.rotation_deg);
@@ -157,7 +158,7 @@ impl Floor {
         level.then(|| Self { plane, axes: [turn.x_axis, turn.z_axis], normal, bounds: obstacle.shape.bounds() })
     }
 
-    /// Its height at a place seen from above, m; none beside it.
+    /// Its height at a place seen from above, m; none outside it.
     fn height(&self, at: DVec2) -> Option<f64> {
         let center = DVec3::from(self.plane.center);
         let (x, z) = (at.x - center.x, at.y - center.z);
@@ -195,7 +196,7 @@ fn corners(foot: &Aabb<f64>) -> [DVec2; 5] {
         .map(|(x, z)| DVec2::new(x, z))
 }
 
-/// A place whose numbers a person can read: to about a hundredth of the size, the height a hundred times finer.
+/// Rounds a place to numbers a person can read: to about a hundredth of the size, the height a hundred times finer.
 fn rounded(at: DVec3, size: DVec3) -> DVec3 {
     let scale = libm::exp10(2.0 - libm::floor(libm::log10(size.max_element().max(1e-6))));
     let scales = DVec3::new(scale, 100.0 * scale, scale);

@@ -48,7 +48,7 @@ pub fn drop_model(path: &str) -> Scene {
     scene
 }
 
-/// The scene to start with when it is to hold nothing of one's own yet: the default ground.
+/// Returns the scene to start with before it holds anything of one's own: the default ground.
 pub fn ground_only() -> Scene {
     let mut scene = drop_model("");
     scene.bodies.clear();
@@ -56,8 +56,8 @@ pub fn ground_only() -> Scene {
     scene
 }
 
-/// The step of what is so finely divided and so well damped that the stabilised scheme takes it, s: it costs less the longer
-/// its steps are.
+/// The step of presets so finely divided and so well damped that the stabilised scheme takes them, s: that scheme costs less
+/// in longer steps.
 const DAMPED_DT_SECS: f64 = 4e-3;
 
 const PRESETS: [Preset; 27] = [
@@ -159,7 +159,7 @@ fn incline_slide() -> Scene {
     on_incline(30.0, 0.3)
 }
 
-/// A cube aligned with a slope and as good as touching it; it rises towards +x.
+/// A cube aligned with a slope and almost touching it; the slope rises towards +x.
 fn on_incline(angle_deg: f64, friction: f64) -> Scene {
     const CENTER: [f64; 3] = [0.0, 1.4, 0.0];
     const GAP: f64 = 1e-4;
@@ -204,8 +204,8 @@ fn tree() -> Scene {
     looking_at([0.0, 0.8, 0.0], 6.0, scene(body, Vec::new()))
 }
 
-/// Set down rather than dropped: its thin webs would swing for long. The finest one is set down from lower, as the
-/// damping that would quiet it sooner would cost it many substeps.
+/// Set down rather than dropped: its thin webs would swing for long. The finest one is set down from lower: more damping
+/// would quiet it sooner, but cost many substeps.
 fn coupler(divisions: u32) -> Scene {
     let (height, damping) = if divisions > 20 { (0.51, 1.7) } else { (0.65, 2.0) };
     let body = model_body("Coupler", ModelShape { divisions, ..carried("coupler.obj") }, height);
@@ -228,8 +228,8 @@ fn spot() -> Scene {
     in_steps_of(DAMPED_DT_SECS, looking_at([0.0, 0.45, 0.0], 3.2, spot))
 }
 
-/// GC Fig 23: structural springs a little too stiff for a step of 1 ms, with nobody to divide it. The cube falls well,
-/// and the first touch of the ground wakes the mode that grows.
+/// GC Fig 23: structural springs a little too stiff for a step of 1 ms that nothing divides. The cube falls well, and the
+/// first touch of the ground excites the mode that grows.
 fn exploding() -> Scene {
     let damping = 0.01;
     let soft = Springs::default();
@@ -250,8 +250,8 @@ fn exploding() -> Scene {
     scene
 }
 
-/// GC Fig 24: thrown at 16 m/s, tilted, with springs half as stiff as usual and nothing that turns crushed cells back.
-/// It comes to rest in a form that its springs take for whole. Few cells, so that each can be seen.
+/// GC Fig 24: thrown at 16 m/s, tilted, with springs half as stiff as usual and no recovery of crushed cells. It comes to
+/// rest in a wrong shape in which its springs balance. Few cells, so that each can be seen.
 fn broken() -> Scene {
     let springs = Springs::default();
     let soft = |of: Spring| Spring { stiffness: 0.5 * of.stiffness, ..of };
@@ -276,7 +276,7 @@ fn broken() -> Scene {
     scene
 }
 
-/// Its cells are as large as the teeth are thick: particles meet every tooth.
+/// The jelly's cells are as large as the teeth are thick: its particles meet every tooth.
 fn comb() -> Scene {
     const SIZE: f64 = 0.6;
     const CELLS: u32 = 10;
@@ -299,7 +299,7 @@ fn comb() -> Scene {
     turned(-40.0, 18.0, looking_at([0.0, 0.7, 0.0], 5.0, scene(cube, vec![comb, press])))
 }
 
-/// The rollers' tops go along x at a metre a second.
+/// The tops of the rollers move along x at one metre a second.
 fn conveyor() -> Scene {
     const RADIUS: f64 = 0.2;
     const HEIGHT: f64 = 0.6;

@@ -1,5 +1,5 @@
-//! From the shape in the document to the lattice it stands for: cubes and lists of cells are built, models are read
-//! and filled. The only place where a scene reaches for other files.
+//! From a shape in the document to its lattice: cubes and lists of cells are built, models are read and filled. The only
+//! place where a scene reads other files.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -35,7 +35,7 @@ pub struct Jelly {
     pub mesh: Option<Arc<TriMesh>>,
     /// The colours and pictures of the model's own surface; none where its file gives none.
     pub paint: Option<Arc<Paint>>,
-    /// Where it is smooth by its own file.
+    /// Where the surface is smooth according to the model's file.
     pub shading: Option<Arc<Shading>>,
     /// How the model was filled, lengths in metres; none for cubes and lists of cells.
     pub report: Option<VoxelReport>,
@@ -43,7 +43,7 @@ pub struct Jelly {
     pub up: UpAxis,
     /// What a person should know, a sentence each.
     pub warnings: Vec<String>,
-    /// The same of what a solid's mass comes from.
+    /// Warnings about the mass of a solid, a sentence each.
     pub mass_warnings: Vec<String>,
 }
 
@@ -78,7 +78,7 @@ pub enum ResolveError {
         /// What it holds, in words.
         held: String,
     },
-    /// The model cannot be met.
+    /// The model cannot be an obstacle.
     #[error("{model} cannot be an obstacle")]
     Surface {
         /// The model's path.
@@ -111,7 +111,7 @@ pub enum ResolveError {
 }
 
 impl ResolveError {
-    /// The value of the body that would have to be another one, as a path within the body.
+    /// The path, within the body, of the value that must change.
     pub fn path(&self) -> &'static str {
         match self {
             Self::Cells(_) => "shape",
@@ -168,7 +168,7 @@ impl Filled {
         Outline { counts: LatticeCounts::of(&self.cells), grid: self.cells.grid, mesh_vertices }
     }
 
-    /// The same with the cells that a model has more and less by hand. A cell more is full.
+    /// Applies the cells that are added to and erased from a model by hand. An added cell is full.
     pub fn by_hand(mut self, model: &ModelShape) -> Result<Self, ResolveError> {
         if model.erased.is_empty() && model.attached.is_empty() {
             return Ok(self);
@@ -207,12 +207,12 @@ impl Jelly {
     }
 }
 
-/// Where the models of a scene are. A folder alone is one of a scene that holds none itself.
+/// Where to find the models of a scene. A folder alone is enough for a scene that holds no model files itself.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelPlaces<'a> {
     /// The folder that relative paths start at.
     pub base_dir: &'a Path,
-    /// What the scene holds itself.
+    /// The model files within the scene.
     pub embedded: Option<&'a Embedded>,
 }
 
@@ -223,7 +223,7 @@ impl<'a> From<&'a Path> for ModelPlaces<'a> {
 }
 
 impl Scene {
-    /// Where its models are; relative paths start at `base_dir`.
+    /// Returns the places of its models; relative paths start at `base_dir`.
     pub fn model_places<'a>(&'a self, base_dir: &'a Path) -> ModelPlaces<'a> {
         ModelPlaces { base_dir, embedded: Some(&self.models) }
     }
@@ -259,13 +259,13 @@ pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn W
     })
 }
 
-/// The share of reading a model in making it ready.
+/// The share of reading in the progress of making a model ready.
 pub(crate) const READING: f64 = 0.4;
 
-/// So many names are listed where one is wrong.
+/// The most names listed in an error about a wrong one.
 pub(super) const NAMES_LISTED: usize = 12;
 
-/// Reads a model: a file, one that the scene holds or one that the program carries.
+/// Reads a model: a file, one within the scene or one that the program carries.
 pub fn load_model<'a>(
     path: &str,
     places: impl Into<ModelPlaces<'a>>,
@@ -290,7 +290,7 @@ pub fn load_model<'a>(
     }
 }
 
-/// Why the model of an obstacle cannot be met.
+/// Why the model of an obstacle cannot be used.
 #[derive(Debug, Error)]
 #[error("obstacles.{obstacle}: its model cannot be met")]
 pub struct MeshError {
@@ -303,7 +303,7 @@ pub struct MeshError {
 /// Reads the models of all obstacles that have not been read. Relative paths start at `base_dir`.
 ///
 /// # Errors
-/// The first that cannot be read or met.
+/// The first model that cannot be read or used.
 pub fn load_meshes(scene: &mut Scene, base_dir: &Path, watch: &dyn Watch) -> Result<(), MeshError> {
     let models = scene.models.clone();
     let places = ModelPlaces { base_dir, embedded: Some(&models) };
@@ -389,7 +389,7 @@ fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) ->
     })
 }
 
-/// The models that a scene holds, as far as they are listed.
+/// Lists the model files within a scene, at most [`NAMES_LISTED`] by name.
 fn listed(held: &Embedded) -> String {
     let files = held.files();
     let names: Vec<String> = files.iter().take(NAMES_LISTED).map(|file| echo(&file.path)).collect();

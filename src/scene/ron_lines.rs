@@ -1,6 +1,6 @@
-//! On which line of a RON text the value of a path stands, so that a value outside its range can be pointed at, and which
-//! path stands at a place, so that what cannot be read has a path, too. Reads brackets, names and commas only; what it
-//! cannot follow has no line.
+//! Finds the line of a RON text that holds the value of a path, so that a value outside its range can be pointed at. Also
+//! finds the path of a place in the text, so that unreadable text has a path, too. Reads brackets, names and commas only; a
+//! place that it cannot follow has no line.
 
 use std::collections::HashMap;
 
@@ -55,7 +55,7 @@ struct Frame<'a> {
 }
 
 impl<'a> Place<'a> {
-    /// Takes a token, with the one behind it. Returns whether it is a value.
+    /// Takes a token, with the one after it. Returns whether it is a value.
     fn follow(&mut self, token: Token<'a>, next: Option<Token<'a>>) -> bool {
         match token {
             Token::Word(word) if next == Some(Token::Mark(':')) => self.name(word),
@@ -72,7 +72,7 @@ impl<'a> Place<'a> {
     }
 
     fn enter(&mut self) {
-        // `Some(` is no form of ours, and the outermost bracket's word is the name of the whole.
+        // `Some(` is not one of the scene's forms, and the word before the outermost bracket names the whole scene.
         let variant = self.variant.take().filter(|word| *word != "Some" && !self.frames.is_empty());
         self.frames.push(Frame { variant, name: None, index: 0 });
     }

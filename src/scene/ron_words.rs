@@ -1,5 +1,5 @@
-//! What is wrong with a scene's text, in the words of a scene: RON names the parts of Rust's types, which are no concern
-//! of who writes a scene.
+//! Says what is wrong with a scene's text in the words of a scene: RON's own messages name Rust types, which do not concern
+//! the author of a scene.
 
 use ron::Error;
 

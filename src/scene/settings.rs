@@ -14,14 +14,14 @@ pub struct Settings {
     pub dt: f64,
     /// The scheme that advances a step.
     pub integrator: Integrator,
-    /// Who answers for the step being small enough.
+    /// Who is responsible for the step being small enough.
     pub stepping: Stepping,
     /// How obstacles push back.
     pub contact: ContactRule,
     /// Whether bodies meet each other.
     pub body_contact: bool,
-    /// Whether automatic stepping may hand a scene that it would have to divide finely to the stabilised scheme or to the
-    /// implicit one, where that is cheaper.
+    /// Whether automatic stepping may use the stabilised or the implicit scheme instead of dividing the steps finely, where
+    /// that is cheaper.
     pub allow_implicit: bool,
     /// Whether cells that are crushed or turned inside out are pushed back to shape.
     pub inversion_recovery: bool,
@@ -58,13 +58,13 @@ pub enum Integrator {
     SemiImplicit,
     /// Explicit Euler (GC §4.1): velocity and position from the old ones. Grows without damping, however small the step.
     Explicit,
-    /// Leapfrog Verlet with the velocity of the damping predicted: second order at one evaluation of the forces a step.
+    /// Leapfrog Verlet with a predicted velocity for the damping: second order at one evaluation of the forces a step.
     Verlet,
     /// Runge–Kutta of second order (midpoint). Grows slowly without damping.
     Rk2,
     /// The classical Runge–Kutta method of fourth order.
     Rk4,
-    /// Runge–Kutta–Chebyshev of second order: as many evaluations of the forces as damping asks for, which grow with the
+    /// Runge–Kutta–Chebyshev of second order: the damping sets the number of evaluations of the forces, which grows with the
     /// root of the step.
     Stabilised,
     /// Linearly implicit Euler: stable at any step, dissipative.
@@ -76,8 +76,8 @@ impl Integrator {
     pub const ALL: [Self; 7] =
         [Self::SemiImplicit, Self::Explicit, Self::Verlet, Self::Rk2, Self::Rk4, Self::Stabilised, Self::Implicit];
 
-    /// Those with a largest stable step, into which automatic stepping divides: explicit and RK2 have none, and of the
-    /// implicit scheme every step is stable.
+    /// The schemes with a largest stable step, to which automatic stepping divides: explicit and RK2 have none, and the
+    /// implicit scheme is stable at every step.
     pub const LIMITED: [Self; 3] = [Self::SemiImplicit, Self::Verlet, Self::Rk4];
 
     /// The scheme's word on the command line and in figures.
@@ -106,13 +106,13 @@ impl Integrator {
         }
     }
 
-    /// Whether an undamped vibration stays bounded at some step: without that no division of a step makes it stable.
+    /// Whether an undamped vibration stays bounded at some step. If not, no division of a step makes the scheme stable.
     pub fn has_stable_step(self) -> bool {
         !matches!(self, Self::Explicit | Self::Rk2)
     }
 }
 
-/// Who answers for the step being small enough.
+/// Who is responsible for the step being small enough.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stepping {

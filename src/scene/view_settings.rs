@@ -61,7 +61,7 @@ pub struct CameraSettings {
 }
 
 impl CameraSettings {
-    /// Whether it is where nobody has put it: a file that says nothing of it has it there.
+    /// Whether it is still the default camera, as in a file that gives none.
     pub fn is_unchosen(&self) -> bool {
         *self == Self::default()
     }

@@ -3,7 +3,7 @@
 use super::material::POISSON_RATIO;
 use super::{Body, Material, Scene, Solid, Springs, named};
 
-/// A sentence each, in plain words.
+/// Returns the warnings about a scene, a sentence each, in plain words.
 pub fn warnings(scene: &Scene) -> Vec<String> {
     let mut found = Vec::new();
     for (place, body) in scene.bodies.iter().enumerate() {
@@ -30,7 +30,7 @@ pub fn warnings(scene: &Scene) -> Vec<String> {
     found
 }
 
-/// The first Poisson's ratio noted of a body that is a solid which it does not have.
+/// Returns the first Poisson's ratio given for a solid body that differs from the one every lattice has.
 fn other_poisson_ratio(body: &Body) -> Option<f64> {
     let Material::Solid(own) = body.material else { return None };
     let within = body.inlays.iter().map(|inlay| inlay.solid).chain(body.parts.iter().map(|part| part.solid));
@@ -38,7 +38,7 @@ fn other_poisson_ratio(body: &Body) -> Option<f64> {
     noted.find(|ratio| (ratio - POISSON_RATIO).abs() > f64::EPSILON)
 }
 
-/// Materials within a body that were given in the form that the body is not of, and so do nothing.
+/// Explains why materials within a body do nothing: they are given in the other form (springs or solid) than the body.
 fn idle_within(body: &Body) -> Option<&'static str> {
     let inlays = body.inlays.iter().map(|inlay| (inlay.solid, inlay.springs));
     let mut within = inlays.chain(body.parts.iter().map(|part| (part.solid, part.springs)));

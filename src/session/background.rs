@@ -1,5 +1,5 @@
-//! Long work beside a running sandbox, on the caller's thread: it tells how far it is and stops through [`Progress`], and
-//! leaves the processors to others now and then.
+//! Long work beside a running sandbox, on the caller's thread: it reports its progress to [`Progress`], can be stopped
+//! through it, and pauses now and then for other work.
 
 use thiserror::Error;
 
@@ -8,7 +8,7 @@ use super::progress::Progress;
 use crate::geometry::Watch;
 use crate::modal::ModalError;
 
-/// Why nothing came of work beside the sandbox.
+/// Why work beside the sandbox gave no result.
 #[derive(Debug, Error)]
 pub enum BackgroundError {
     /// It was asked to stop.
@@ -34,7 +34,7 @@ impl From<SessionError> for BackgroundError {
     }
 }
 
-/// Tells how far the work is, with a pause between two pieces of it.
+/// Reports the progress of the work, and pauses between two pieces of it.
 pub(super) struct Paced<'a> {
     pub(super) progress: &'a Progress,
     pub(super) pause: &'a (dyn Fn() + Sync),

@@ -1,4 +1,4 @@
-//! Work that hears of nobody while it goes on, done where whoever waits for it can leave it.
+//! Runs work that cannot be cancelled, so that whoever waits for it can leave.
 
 use std::panic::resume_unwind;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use crate::geometry::Watch;
 
-/// Whether anyone still waits is looked at this often.
+/// How often to look whether anyone still waits.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// What comes of some work; none once nobody waits for it. It is done on a thread of its own, which is left alone to end then;
-/// on the caller's where whoever waits will never leave.
+/// Returns the result of some work; none once nobody waits for it. The work runs on a thread of its own, which is then left
+/// to end by itself. It runs on the caller's thread where the wait cannot be cancelled.
 pub fn while_awaited<T: Send + 'static>(watch: &dyn Watch, work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
     if !watch.may_cancel() {
         return Some(work());

@@ -21,7 +21,7 @@ use crate::view::{Skin, SkinInstance, Style};
 pub(super) struct Bodies {
     jellies: Vec<Jelly>,
     dressed: Vec<Dressed>,
-    /// The skin of a body that is not there.
+    /// The empty skin, for a body that has left the scene.
     nothing: Arc<Skin>,
 }
 
@@ -45,8 +45,8 @@ struct Dressed {
 }
 
 impl Bodies {
-    /// Makes the shape of every body ready, without skins yet; refused before that where all of them together need more
-    /// memory than there is.
+    /// Makes the shape of every body ready, without skins yet. Refuses the scene before that if its bodies need more memory
+    /// together than there is.
     pub(super) fn resolve(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Self, SessionError> {
         let outlines = outlines(scene, library, watch);
         let checked = outlines.and_then(|outlines| {
@@ -68,7 +68,7 @@ impl Bodies {
         bodies.part_problem(scene).map_or(Ok(bodies), |problem| Err(SessionError::Part(problem)))
     }
 
-    /// The first part of a scene of the same bodies that its model does not have.
+    /// Returns the first named part in a scene of the same bodies that its model does not have.
     pub(super) fn part_problem(&self, scene: &Scene) -> Option<Problem> {
         let mut bodies = scene.bodies.iter().zip(&self.jellies).enumerate();
         bodies.find_map(|(place, (body, jelly))| part_problem(place, body, &jelly.lattice))
@@ -81,7 +81,7 @@ impl Bodies {
         all.filter(|of_one| !of_one.parts.is_empty()).collect()
     }
 
-    /// With the skins of others at hand for the next [`Bodies::dress`].
+    /// Returns these bodies with the skins of others at hand for the next [`Bodies::dress`].
     pub(super) fn with_skins_of(self, others: &Self) -> Self {
         Self { dressed: others.dressed.clone(), nothing: Arc::clone(&others.nothing), ..self }
     }
@@ -118,7 +118,7 @@ impl Bodies {
         self.jellies.iter().map(Jelly::outline).collect()
     }
 
-    /// What the pictures on their models take, bytes; each once, whoever shares it.
+    /// The memory of the pictures on the models, bytes; a shared picture counts once.
     pub(super) fn picture_bytes(&self) -> u64 {
         let paints = self.jellies.iter().filter_map(|jelly| jelly.paint.as_deref());
         let pictures: Vec<_> = paints.flat_map(Paint::textures).map(|texture| &texture.picture).collect();
@@ -131,7 +131,7 @@ impl Bodies {
         self.jellies.iter().map(|jelly| Arc::clone(&jelly.lattice)).collect()
     }
 
-    /// The skins of the visible bodies, in the scene's order; an empty one where a body is not there.
+    /// The skins of the visible bodies, in the scene's order; an empty one for a body that has left the scene.
     pub(super) fn skins(&self, is_there: impl Fn(usize) -> bool) -> Vec<SkinInstance> {
         let style = Style::default();
         let instance = |dressed: &Dressed| {
@@ -147,7 +147,7 @@ impl Bodies {
         mesh.map_or(1.0, |mesh| mesh.bounds().size().max_element())
     }
 
-    /// What a person should know of the models of a scene's bodies, a sentence each.
+    /// Warnings about the models of a scene's bodies, a sentence each.
     pub(super) fn warnings(&self, scene: &Scene) -> Vec<String> {
         let of_one = |(jelly, body): (&Jelly, &Body)| match &body.material {
             Material::Springs(_) => jelly.warnings.clone(),
@@ -157,9 +157,8 @@ impl Bodies {
     }
 }
 
-/// How large every body will be; equal shapes are looked at once.
 impl Opened {
-    /// The lattices of the scene's bodies, for who needs no session.
+    /// The lattices of the scene's bodies, for a caller that needs no session.
     ///
     /// # Errors
     /// If a shape cannot be made, or all of them together need more memory than there is.
@@ -170,6 +169,7 @@ impl Opened {
     }
 }
 
+/// How large every body will be; equal shapes are looked at once.
 fn outlines(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Vec<Outline>, SessionError> {
     let mut known: Vec<(&Shape, Outline)> = Vec::new();
     let mut outlines = Vec::new();

@@ -36,7 +36,7 @@ impl Session {
                 return self.make_touched(id, new, format!("pins of {}", name()));
             }
         };
-        // What was put there or laid bare by this stroke is no place to go on from.
+        // A stroke neither builds on a cell that it has added nor digs on where it has taken one away.
         let other = if more { touched } else { beyond };
         if self.stroke.changed.contains(&other) {
             return Ok(());
@@ -54,16 +54,16 @@ impl Session {
         } else {
             body.with_cells(list)
         };
-        // What is taken away holds nothing.
+        // A cell that is taken away holds no particles any more.
         let new = new.map(|new| if more { new } else { new.with_pinned(changed, false).unwrap_or(new) });
-        // The first cell makes a list of a cube: what else a stroke does is the same change.
+        // The first cell turns a cube into a list. Equal words join all cells of a stroke into one change.
         let words = format!("cells of {}", name());
         self.make_touched(id, new, words)?;
         self.stroke.changed.push(changed);
         Ok(())
     }
 
-    /// Makes a body what a touch made of it; nothing where that is nothing.
+    /// Replaces a body by what a touch makes of it; does nothing where a touch changes nothing.
     fn make_touched(&mut self, id: BodyId, new: Option<Body>, words: String) -> Result<(), SessionError> {
         let Some(new) = new else { return Ok(()) };
         let change = self.make(Edit::Body(id, Box::new(new)), words, false, Arrival::Placed)?;
@@ -71,7 +71,8 @@ impl Session {
         Ok(())
     }
 
-    /// The cells of a body in the grid in which a brush changes them, and where a point of it (m, in its own coordinates) is there.
+    /// Returns the cells of a body in the grid in which a brush changes them, and a point of the body (given in its own
+    /// coordinates, m) in that grid.
     fn cells_about(&self, id: BodyId, shape: &Shape, point: DVec3) -> (Vec<[i32; 3]>, DVec3) {
         if let Some((list, size)) = own_cells(shape) {
             let at = middle(&list) + point / size;
@@ -85,7 +86,7 @@ impl Session {
         (list, from_low + DVec3::from_array(low.map(f64::from)))
     }
 
-    /// Where the point that is touched is at rest, in the body's coordinates, m.
+    /// Returns the rest position of the touched point in the body's coordinates, m.
     fn rest_place(&self, touch: &CellTouch) -> Result<DVec3, SessionError> {
         let body = self.simulation.model().bodies.get(touch.body.0).ok_or(SessionError::Pull)?;
         let mut at = DVec3::ZERO;

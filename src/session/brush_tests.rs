@@ -160,7 +160,7 @@ fn cells_of_a_model_are_changed_by_hand_and_it_goes_on_as_it_moves() {
         let now = after.iter().find(|particle| particle.0 == *start).expect("it stays");
         assert!(now.1.distance(*position) < 1e-5 && now.2.distance(*velocity) < 1e-4, "{start:?}: where it was");
     }
-    // Taken away again it is none of the model's own that is erased; the one below it is.
+    // Taking the added cell away again erases none of the model's own; taking the one below it does.
     let above = (grid.corner(low) + DVec3::new(0.5, 0.5, 2.0) * grid.cell_size) / grid.cell_size;
     brush(&mut session, above.to_array(), CellChange::Erase);
     session.handle(Command::EndEdit).expect("it is lifted");

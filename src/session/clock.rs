@@ -8,19 +8,19 @@ const MAX_DEBT_SECS: f64 = 0.1;
 /// The stretch of wall time over which the real-time factor is measured, s.
 const WINDOW_SECS: f64 = 1.0;
 
-/// Steps that took less of the window say nothing of who has the processors, s.
+/// The least time in steps, within the window, from which the processor share can be told, s.
 const TELLING_SECS: f64 = 0.03;
 
-/// How much simulated time is owed, and how well it is paid.
+/// Counts the simulated time that is owed, and measures how fast it is simulated.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Clock {
     debt_secs: f64,
     history: VecDeque<Stretch>,
-    /// The share of the time of steps in which a processor was at work on them, when there were last enough of them.
+    /// The share of the step time in which a processor worked on the steps, when there was last enough of it.
     processor_share: Option<f64>,
 }
 
-/// A stretch of wall time and what became of it.
+/// A stretch of wall time and what was done in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[expect(clippy::struct_field_names, reason = "the unit of each")]
 pub(super) struct Stretch {
@@ -30,17 +30,17 @@ pub(super) struct Stretch {
     pub(super) simulated_secs: f64,
     /// Wall time spent in steps, s.
     pub(super) stepping_secs: f64,
-    /// Of that, the time in which a processor was at work on them, s.
+    /// The processor time of those steps, s.
     pub(super) processor_secs: f64,
 }
 
 impl Stretch {
-    /// Simulated seconds a wall second; `None` of no time.
+    /// Simulated seconds per wall second; `None` if no time has passed.
     pub(super) fn real_time_factor(&self) -> Option<f64> {
         (self.wall_secs > 0.0).then(|| self.simulated_secs / self.wall_secs)
     }
 
-    /// Simulated seconds in a second of processor time; infinite where there was next to nothing to do.
+    /// Simulated seconds per second of processor time; infinite where there was next to nothing to do.
     pub(super) fn speed_alone(&self) -> f64 {
         let worked = self.stepping_secs >= TELLING_SECS && self.processor_secs > 0.0;
         if worked { self.simulated_secs / self.processor_secs } else { f64::INFINITY }
@@ -48,7 +48,7 @@ impl Stretch {
 }
 
 impl Clock {
-    /// Wall time has passed. One frame's worth is always owed, however fast the speed makes it.
+    /// Adds wall time that has passed. The limit of the debt always leaves room for one frame, however high the speed.
     pub(super) fn owe(&mut self, wall_secs: f64, speed: f64) {
         self.debt_secs =
             (self.debt_secs + wall_secs * speed).min(MAX_DEBT_SECS.max(wall_secs.min(MAX_DEBT_SECS) * speed));
@@ -56,11 +56,11 @@ impl Clock {
 
     /// Whether a step of `dt_secs` is owed.
     pub(super) fn owes(&self, dt_secs: f64) -> bool {
-        // Half a nanosecond short is a step: sixty times a sixtieth of a second is a second.
+        // The tolerance of half a nanosecond makes sixty sixtieths of a second a second.
         self.debt_secs >= dt_secs - 5e-10
     }
 
-    /// A step was taken.
+    /// Takes a step off the debt.
     pub(super) fn pay(&mut self, dt_secs: f64) {
         self.debt_secs -= dt_secs;
     }
@@ -85,12 +85,12 @@ impl Clock {
         }
     }
 
-    /// The share of the time of steps in which a processor was at work on them, as far as is known.
+    /// The share of the step time in which a processor worked on the steps; 1 as long as it is unknown.
     pub(super) fn processor_share(&self) -> f64 {
         self.processor_share.unwrap_or(1.0)
     }
 
-    /// The last second or so; nothing before anything was noted.
+    /// The sum over about the last second; zero before the first note.
     pub(super) fn lately(&self) -> Stretch {
         self.history.iter().fold(Stretch::default(), |sum, stretch| Stretch {
             wall_secs: sum.wall_secs + stretch.wall_secs,

@@ -3,7 +3,7 @@
 //! ```text
 //! FOLDER/scene.ron              paths of models as seen from here
 //! FOLDER/models/cow.obj         a model that is one file
-//! FOLDER/models/lamp/lamp.gltf  one that has its buffers or pictures beside it, and they as it names them
+//! FOLDER/models/lamp/lamp.gltf  a model with buffers or pictures beside it, at the paths that it gives them
 //! ```
 //!
 //! Or one file with all of it inside.
@@ -33,7 +33,7 @@ pub struct Collected {
     pub bytes: u64,
 }
 
-/// Writes a new folder with a scene, called by its title, and its models, whose relative paths start at `base_dir`. The
+/// Writes a new folder with a scene, named after its title, and its models. Relative model paths start at `base_dir`. The
 /// scene itself stays as it is.
 ///
 /// # Errors
@@ -66,7 +66,7 @@ pub fn collect(scene: &Scene, base_dir: &Path, title: &str, folder: &Path) -> Re
     Ok(Collected { scene: folder.join(name), models, bytes })
 }
 
-/// Writes one file with a scene and its models, whose relative paths start at `base_dir`. The scene itself stays as it is.
+/// Writes one file with a scene and its models. Relative model paths start at `base_dir`. The scene itself stays as it is.
 ///
 /// # Errors
 /// If a model cannot be read or the file cannot be written.

@@ -1,5 +1,5 @@
-//! The automatic range of the colours: from zero to about the greatest value, but never stretched over the noise of
-//! what rests.
+//! The automatic range of the colours: from zero to about the greatest value, but never so narrow that it shows the noise of
+//! a body at rest.
 
 use crate::math::Vector;
 use crate::physics::BodyModel;
@@ -12,12 +12,13 @@ const SHARE: f64 = 0.99;
 const LOAD_SHARE: f64 = 0.1;
 /// The least range of strains, %.
 const STRAIN_PERCENT: f64 = 0.1;
-/// The least range of speeds: so much of its size a body goes in a second, 1/s.
+/// The least range of speeds, in body sizes a second, 1/s.
 const SPEED_PER_SIZE: f64 = 1e-3;
-/// Without gravity a particle is taken to weigh what would move it by the body's size in a second, 1/s².
+/// The least acceleration that counts for a particle's weight, in body sizes, 1/s²: it stands in for gravity where there is
+/// none.
 const ACCELERATION_PER_SIZE: f64 = 1.0;
 
-/// From zero to the value that all but the last hundredth stay below, or to the least one worth telling from zero.
+/// Returns the range from zero to the value below which 99 % of the scalars lie, or to the least value worth a colour.
 pub(super) fn automatic(simulation: &Simulation<f32>, color: ColorBy, scalars: &[f32]) -> [f32; 2] {
     let mut sorted: Vec<f32> = scalars.iter().copied().filter(|x| x.is_finite()).collect();
     #[expect(clippy::cast_possible_truncation, reason = "colours need no more than f32")]
@@ -26,7 +27,7 @@ pub(super) fn automatic(simulation: &Simulation<f32>, color: ColorBy, scalars: &
     if sorted.is_empty() {
         return [0.0, least];
     }
-    // What a body is made of is torn nowhere.
+    // No torn corner distorts the stiffness of a material.
     let share = if color == ColorBy::Stiffness { 1.0 } else { SHARE };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length is an index")]
     let place = ((sorted.len() - 1) as f64 * share) as usize;
@@ -34,7 +35,7 @@ pub(super) fn automatic(simulation: &Simulation<f32>, color: ColorBy, scalars: &
     [0.0, high.max(least)]
 }
 
-/// The least range worth colours, in the scalar's unit. It follows from what the bodies weigh and how large they are.
+/// The least range worth colours, in the scalar's unit. It follows from the weight and size of the bodies.
 fn least(simulation: &Simulation<f32>, color: ColorBy) -> f64 {
     let model = simulation.model();
     let gravity = model.gravity.to_dvec3().length();

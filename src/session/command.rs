@@ -23,7 +23,7 @@ pub enum Command {
     StepOnce,
     /// Put every body back to its start; the scene as edited stays.
     Restart,
-    /// Simulated seconds a second of wall time, 0.01 to 10.
+    /// Set the simulated seconds per second of wall time, 0.01 to 10.
     SetSpeed(f64),
     /// Replace the scene by another; relative model paths start at `base_dir`.
     Replace {
@@ -43,31 +43,31 @@ pub enum Command {
     },
     /// Write the scene to its file.
     Save {
-        /// Where the camera stands: the scene opens like this again.
+        /// The present camera: the scene opens with it again.
         camera: CameraSettings,
     },
     /// Write the scene to a file, which is its file from then on.
     SaveAs {
         /// The file; its name ends in `.ron`.
         path: PathBuf,
-        /// Where the camera stands.
+        /// The present camera.
         camera: CameraSettings,
-        /// Where it has its models from then on.
+        /// Where the file has its models from then on.
         models: ModelPlace,
     },
     /// Write a new folder with the scene and every model that it reads; its own file stays what it is.
     Collect {
         /// The folder.
         folder: PathBuf,
-        /// Where the camera stands.
+        /// The present camera.
         camera: CameraSettings,
     },
-    /// Write where everything is and how it moves to a file; the scene is not in it.
+    /// Write the positions and velocities of everything to a file; the scene is not in it.
     SaveState {
         /// The file.
         path: PathBuf,
     },
-    /// Put everything where a file has it and stop time: it goes on from there bit for bit.
+    /// Restore the state of a file and stop time: the motion goes on from there bit for bit.
     OpenState {
         /// The file.
         path: PathBuf,
@@ -81,20 +81,20 @@ pub enum Command {
         /// The file that it belongs to, if it has one.
         file: Option<PathBuf>,
     },
-    /// Change the scene; the motion goes on as far as the change lets it. Changes of one value that follow each other
-    /// are taken back together, until [`Command::EndEdit`]. An obstacle is at once where a value puts it, and moves what
-    /// it would be inside of out of its way gently.
+    /// Change the scene; the motion goes on as far as the change allows. Successive changes of one value are undone
+    /// together, until [`Command::EndEdit`]. An obstacle jumps to its new place, and gently moves bodies that it would
+    /// overlap out of its way.
     Edit(Edit),
-    /// The same by a hand in the view: while time runs, an obstacle sweeps to where it is dragged and pushes what is in
-    /// its way.
+    /// The same edit by a hand in the view: while time runs, a dragged obstacle sweeps to its new place and pushes what is
+    /// in its way.
     Drag(Edit),
     /// Put the middle of a body here (m), deformed as it is and at rest; it also starts here from now on.
     Teleport(BodyId, [f64; 3]),
-    /// A slider or a thing dragged is let go: what comes next is taken back by itself.
+    /// A slider or a dragged thing is let go: the next change is undone on its own.
     EndEdit,
-    /// A thing dragged goes back to where it was, as if it had never been dragged. Nothing where no edit goes on.
+    /// Put a dragged thing back, as if it had never been dragged. Does nothing without an open edit.
     CancelEdit,
-    /// Add a body whose shape has been made ready elsewhere, behind the others.
+    /// Add a body whose shape has been made ready elsewhere, after the others.
     AddBody {
         /// The body.
         body: Box<Body>,
@@ -103,21 +103,21 @@ pub enum Command {
     },
     /// Give a body another shape, made ready elsewhere; its motion goes on.
     Refill {
-        /// Which.
+        /// The body's place.
         id: BodyId,
-        /// It with that shape.
+        /// The body with the new shape.
         body: Box<Body>,
         /// The shape, made ready.
         jelly: Box<Jelly>,
     },
-    /// Take back the last change.
+    /// Undo the last change.
     Undo,
-    /// Make the change again that was taken back last.
+    /// Make the last undone change again.
     Redo,
-    /// Pull a body by a point of it, pull on towards another place, or let go (`None`).
+    /// Pull a body by one of its points, move the target of the pull, or let go (`None`).
     Grab(Option<Pull>),
-    /// Put a cell on the face of a body that is touched, or take the one away. What is put down and drawn over a body, until
-    /// [`Command::EndEdit`], is taken back together.
+    /// Change a body at the touched cell: put a cell on the touched face, take the cell away, paint it or pin it. All
+    /// changes of one stroke, until [`Command::EndEdit`], are undone together.
     Brush(CellTouch),
     /// Measure what steps cost, or no longer.
     WatchCost(bool),
@@ -127,7 +127,7 @@ pub enum Command {
     ShowModes(Option<Swing>),
     /// Mark a box along the axes of a body in the view, or none any longer.
     MarkBox(Option<BoxOfBody>),
-    /// Go on with what became of looking for the modes that a body waits for.
+    /// Take the outcome of the search for the modes that a body waits for, and go on.
     TakeModes(Box<FoundModes>),
 }
 
@@ -165,8 +165,8 @@ pub struct BoxOfBody {
 }
 
 impl Command {
-    /// Whether a person waits for it, so that a long substep is given up; not what follows itself while a hand moves,
-    /// which would keep time from running.
+    /// Whether a person waits for it, so that a long substep is given up. Not for a command that repeats while a hand moves:
+    /// it would keep time from running.
     pub fn waits_for_no_substep(&self) -> bool {
         !matches!(
             self,
@@ -186,7 +186,7 @@ impl Command {
         )
     }
 
-    /// Whether it follows others by itself, and what became of these is still to be told.
+    /// Whether it is sent after another command without a person's doing: its success must not clear that command's error.
     pub fn follows_others(&self) -> bool {
         matches!(
             self,
@@ -194,7 +194,7 @@ impl Command {
         )
     }
 
-    /// Whether bodies may have to be made for it in this scene, which takes long where they are large.
+    /// Whether it may have to make bodies in this scene, which takes long where they are large.
     pub fn makes_bodies(&self) -> bool {
         matches!(
             self,

@@ -6,17 +6,17 @@ use crate::physics::Stage;
 use crate::physics::{Plan, Simulation, StepReport};
 use crate::report::timer::WallTimer;
 
-/// What was measured is shown, and measured anew, this often.
+/// The measurement that is shown is replaced this often.
 const WINDOW: Duration = Duration::from_millis(500);
 
-/// What a step costs, lately.
+/// The recent cost of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepCost {
     /// The stages that the scene needs, in their order.
     pub stages: Vec<StageCost>,
-    /// What happens in a whole step, on average.
+    /// The events in a whole step, on average.
     pub counts: Vec<(&'static str, f64)>,
-    /// What the scene does not need, and why.
+    /// The parts of a step that the scene does not need, and why.
     pub left_out: Vec<(String, &'static str)>,
 }
 
@@ -31,11 +31,11 @@ pub struct StageCost {
     pub share: f64,
 }
 
-/// Measures steps, and keeps what was measured last.
+/// Measures steps, and keeps the last measurement.
 #[derive(Debug)]
 pub(super) struct Costs {
     since: Instant,
-    /// The simulated time then, s.
+    /// The simulated time at that instant, s.
     since_secs: f64,
     timer: WallTimer,
     report: StepReport,
@@ -50,12 +50,12 @@ impl Costs {
         Self { since: Instant::now(), since_secs, timer: WallTimer::default(), report: StepReport::default(), shown }
     }
 
-    /// Takes the time of the stages.
+    /// Returns the timer that takes the time of the stages.
     pub(super) fn timer(&mut self) -> &mut WallTimer {
         &mut self.timer
     }
 
-    /// A substep was taken.
+    /// Notes a substep that was taken.
     pub(super) fn note(&mut self, report: &StepReport, simulation: &Simulation) {
         self.report.add(report);
         if self.since.elapsed() >= WINDOW {
@@ -67,7 +67,7 @@ impl Costs {
         }
     }
 
-    /// What was measured last.
+    /// Returns the last measurement.
     pub(super) fn shown(&self, plan: &Plan) -> StepCost {
         StepCost { left_out: plan.left_out(), ..self.shown.clone() }
     }

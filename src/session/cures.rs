@@ -1,5 +1,5 @@
-//! What might cure a simulation that broke, as changes of the scene, best first. Whether it does is found by trying:
-//! see `trials`.
+//! Possible cures of a broken simulation, as changes of the scene, best first. Whether one helps is found by trying: see
+//! `trials`.
 
 use super::Command;
 use super::step_words::{rounded_down, step_text};
@@ -21,7 +21,7 @@ pub struct Cure {
 }
 
 impl Cure {
-    /// What the button sends: the change, as one step of undo, a new start where it needs one, and time.
+    /// The commands of the button: the change as one undo step, a restart where it needs one, and play.
     pub fn commands(&self) -> Vec<Command> {
         let restart = self.restart.then_some(Command::Restart);
         [Command::EndEdit, Command::Edit(self.edit.clone()), Command::EndEdit]
@@ -44,7 +44,8 @@ pub(super) struct Exploded<'a> {
 }
 
 impl Exploded<'_> {
-    /// What might help. A scheme without a stable step is replaced: no step and no material makes it stable.
+    /// Returns the changes that might help. A scheme without a stable step is replaced: no step and no material makes it
+    /// stable.
     pub(super) fn cures(&self) -> Vec<Cure> {
         let settings = &self.scene.settings;
         if !settings.integrator.has_stable_step() {
@@ -89,7 +90,7 @@ impl Exploded<'_> {
     }
 }
 
-/// A scene whose cells are inside out: they are turned back while it runs.
+/// The cure for cells turned inside out: they are turned back while the scene runs.
 pub(super) fn turning_back(scene: &Scene) -> Cure {
     let settings = Settings { inversion_recovery: true, ..scene.settings.clone() };
     Cure { restart: false, ..of_settings("Turn them back".to_owned(), settings) }
@@ -124,7 +125,7 @@ fn materials(material: &Material, excess: f64) -> [(String, Material); 2] {
     [(format!("Make it {times} times softer"), soft), (format!("Make it {times} times heavier"), heavy)]
 }
 
-/// Three significant digits, never less than given: what a person reads and what is done are the same.
+/// Rounds up to three significant digits, so that a person reads the very number that is used.
 fn rounded_up(value: f64) -> f64 {
     let unit = libm::pow(10.0, libm::floor(libm::log10(value)) - 2.0);
     libm::ceil(value / unit) * unit

@@ -55,10 +55,10 @@ pub enum SaveError {
 /// Where a scene file has its models.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ModelPlace {
-    /// They are files of their own, which it names.
+    /// In files of their own, which the scene file names.
     #[default]
     Beside,
-    /// In it, so that it can be opened anywhere.
+    /// Inside the scene file, so that it can be opened anywhere.
     Inside,
 }
 
@@ -73,7 +73,7 @@ pub struct Opened {
     pub base_dir: PathBuf,
     /// The scene file; none for presets, models and new scenes.
     pub file: Option<PathBuf>,
-    /// The scene holds changes that are in no file.
+    /// Whether the scene holds changes that are in no file.
     pub unsaved: bool,
 }
 
@@ -97,7 +97,7 @@ impl Opened {
 }
 
 impl Opened {
-    /// The files that the scene is read from: its own and those of its models, buffers beside these too.
+    /// The files that the scene is read from: its own, those of its models, and the buffers beside them.
     pub fn inputs(&self) -> Vec<PathBuf> {
         let mut scene = self.scene.clone();
         let read = model_files(&mut scene).flat_map(|(_, path)| import::files_of(&self.base_dir.join(&*path)));
@@ -105,8 +105,8 @@ impl Opened {
     }
 }
 
-/// Whether two scenes differ in what a person would miss. How the picture is looked at is saved, but is no change: the
-/// camera, the colours, what is drawn over the jelly.
+/// Whether two scenes differ in anything that a person would miss. The camera, the colours and the overlays are saved, but
+/// do not count as changes.
 pub fn differs(saved: &Scene, scene: &Scene) -> bool {
     let Scene { version, settings, bodies, obstacles, view, models } = scene;
     let ViewSettings { camera: _, light, color: _, color_range: _, overlays: _ } = view;
@@ -130,7 +130,7 @@ pub(super) struct Document {
     pub(super) title: String,
     pub(super) base_dir: PathBuf,
     pub(super) file: Option<PathBuf>,
-    /// The scene as last opened or saved; none when that is lost.
+    /// The scene as last opened or saved; none for a scene recovered after a crash.
     saved: Option<Scene>,
     /// The fingerprint of the file as last opened or saved; none where there was none.
     on_disk: Option<u64>,
@@ -146,7 +146,7 @@ impl Document {
         let Opened { scene, title, base_dir, file, unsaved } = opened;
         let saved = (!unsaved).then(|| scene.clone());
         let on_disk = file.as_deref().and_then(fingerprint);
-        // What is recovered goes on as its file is, which is not what it was read from.
+        // A recovered scene keeps its models where its own file has them, which is not the file that it was read from.
         let of_file = || file.as_deref().filter(|_| *unsaved).and_then(|file| Scene::load(file).ok());
         let has_inside = !scene.models.is_empty() || of_file().is_some_and(|scene| !scene.models.is_empty());
         let models = if has_inside { ModelPlace::Inside } else { ModelPlace::Beside };
@@ -159,13 +159,13 @@ impl Document {
         self.saved.as_ref().is_none_or(|saved| differs(saved, scene))
     }
 
-    /// Where the file of a scene has its models: a scene that holds some has nowhere else to put them.
+    /// Where the file of a scene has its models: a scene with model files inside has nowhere else to put them.
     pub(super) fn models(&self, scene: &Scene) -> ModelPlace {
         if scene.models.is_empty() { self.models } else { ModelPlace::Inside }
     }
 
-    /// Writes the scene, seen by `camera`, to its file or to one that is named, which is its file from then on and has its
-    /// models where it is said. What another program has written into its file in the meantime is replaced only by name.
+    /// Writes the scene, seen by `camera`, to its own file or to a named one, which is its own from then on and has its
+    /// models in the given place. A file that another program has changed in the meantime is replaced only if it is named.
     pub(super) fn save(
         &mut self,
         scene: &Scene,
@@ -200,12 +200,12 @@ impl Document {
     }
 }
 
-/// A number that tells a file's contents from others; none where there is no file.
+/// Returns a checksum of a file's contents; none where there is no file.
 fn fingerprint(file: &Path) -> Option<u64> {
     disk::read(file, u64::MAX).ok().map(|bytes| fnv1a(&bytes))
 }
 
-/// The same scene with its model paths as seen from another folder: relative where the two have a folder in common,
+/// Returns the scene with its model paths as seen from another folder: relative where the two have a folder in common,
 /// absolute otherwise.
 pub fn moved(scene: &Scene, from: &Path, to: &Path) -> Result<Scene, SaveError> {
     let mut scene = scene.clone();
@@ -220,7 +220,7 @@ pub fn moved(scene: &Scene, from: &Path, to: &Path) -> Result<Scene, SaveError> 
     Ok(scene)
 }
 
-/// The same scene with model paths that mean the same from any folder.
+/// Returns the scene with model paths that mean the same from any folder.
 pub fn anchored(scene: &Scene, base_dir: &Path) -> Scene {
     let mut scene = scene.clone();
     let base_dir = absolute(base_dir);

@@ -20,12 +20,12 @@ use crate::scene::param::Problem;
 use crate::scene::resolve::{Jelly, load_meshes};
 use crate::scene::{Body, MovesBy, Pose, Scene, Shape};
 
-/// The share of the work on a change that has been done once its bodies are made, and once they can be simulated.
+/// The progress of a change once its bodies are made, and once they are compiled for simulation.
 const MADE: f64 = 0.4;
 const COMPILED: f64 = 0.9;
 
 impl Session {
-    /// Changes the scene and remembers how to take it back. Names that are given differ from those of others.
+    /// Changes the scene and remembers how to take the change back. New names are made unique.
     pub(super) fn edit(&mut self, mut edit: Edit, arrival: Arrival) -> Result<(), SessionError> {
         self.scene.tell_apart(&mut edit);
         let words = words(&self.scene, &edit);
@@ -67,7 +67,7 @@ impl Session {
         Ok(())
     }
 
-    /// Takes the change that goes on back, as if it had never been made.
+    /// Takes back the open change, as if it had never been made.
     pub(super) fn cancel_edit(&mut self) -> Result<(), SessionError> {
         if self.history.is_open() {
             self.undo()?;
@@ -130,8 +130,8 @@ impl Session {
         Ok(Change { inverse, words, motion: motion.filter(|_| teleport || impact >= Impact::Motion), teleport })
     }
 
-    /// An edit that first holds a body which moves by its modes holds it where it has come to: the modes of what is held are
-    /// about its start.
+    /// Lets an edit that first pins a body moving by its modes pin it where it is now: the modes of a pinned body are about
+    /// its start.
     fn held_where_it_is(&self, edit: Edit) -> Edit {
         let Edit::Body(id, mut new) = edit else { return edit };
         let old = self.scene.bodies.get(id.0).filter(|_| !self.simulation.is_at_start());
@@ -141,7 +141,7 @@ impl Session {
         Edit::Body(id, new)
     }
 
-    /// The start from which a free body that moves by its modes would be where it is now but for its swing.
+    /// Returns the pose of a free body that moves by its modes as it is now, without its swing.
     fn pose_now(&self, body: usize) -> Option<Pose> {
         let inertia = self.simulation.model().bodies[body].inertia()?;
         let rigid = self.simulation.state().modal[body].rigid?;
@@ -166,7 +166,7 @@ impl Session {
         }
     }
 
-    /// Changes the scene and everything that hangs on it; nothing has changed where it is refused.
+    /// Changes the scene and everything that depends on it; on an error nothing changes.
     fn carry_out(&mut self, edit: Edit, arrival: Arrival) -> Result<Applied, SessionError> {
         let kept_bodies = kept_bodies(&edit, self.scene.bodies.len());
         let kept_obstacles = kept_obstacles(&edit, self.scene.obstacles.len());
@@ -203,7 +203,7 @@ impl Session {
         Ok(applied)
     }
 
-    /// Why an edit is refused, without paths.
+    /// Words why an edit is refused, without paths.
     fn in_words(&self, error: EditError) -> SessionError {
         match error {
             EditError::BadValue(Problem { path, message }) => {
@@ -213,8 +213,8 @@ impl Session {
         }
     }
 
-    /// Compiles the scene anew; bodies whose shape stays keep their motion, and so do models that are filled with other
-    /// cells.
+    /// Compiles the scene anew. Bodies whose shape stays keep their motion, and so do bodies whose model is filled with
+    /// other cells or whose cells change within their grid.
     fn rebuild(&mut self, scene: &Arc<Scene>, kept: &[Option<usize>]) -> Result<(), SessionError> {
         let progress = self.progress.clone();
         let watch: &dyn Watch = progress.as_ref().map_or(&(), |progress| &**progress);
@@ -247,7 +247,7 @@ impl Session {
             };
             simulation.reshape_body(body, &self.simulation, old, scale, shift);
         }
-        // What is larger than before may be too large to be watched.
+        // A scene with more particles than before may be too slow to watch.
         let particles = |simulation: &Simulation<f32>| simulation.model().particle_count();
         self.may_be_too_slow |= particles(&simulation) > particles(&self.simulation);
         self.bodies = bodies.with_skins_of(&self.bodies);
@@ -266,7 +266,7 @@ impl Session {
         if self.simulation.is_at_start() {
             self.simulation.restart_body(body);
         } else if is_first_held(old, new) {
-            // Its start came to it.
+            // `held_where_it_is` has already put its start where the body is.
         } else if old.pose == new.pose {
             self.simulation.throw_body(body);
         } else {
@@ -275,17 +275,17 @@ impl Session {
     }
 }
 
-/// Whether a body that moves by its modes was free and is held from now on.
+/// Whether an edit pins a body that moves by its modes and was free.
 fn is_first_held(old: &Body, new: &Body) -> bool {
     let goes_on_by_modes = [old, new].iter().all(|body| body.moves_by == MovesBy::Modes);
     goes_on_by_modes && !old.has_pins() && new.has_pins()
 }
 
-/// How the cells of a body are others than before, so that those that stay go on as they move.
+/// How the cells of a body have changed, if those that stay keep their motion.
 enum Refill {
     /// The same model is filled or scaled in another way.
     Model,
-    /// It has cells more or less, in the same grid: its middle is elsewhere by so much, m.
+    /// Cells were added or taken away in the same grid; the middle of the body moves by this much, m.
     Cells { shift: DVec3 },
 }
 
@@ -297,7 +297,7 @@ fn refill(old: &Body, new: &Body) -> Option<Refill> {
             (same_start && of_old != of_new && same_model).then_some(Refill::Model)
         }
         (old_shape, new_shape) if old_shape != new_shape => {
-            // Its start is where its cells were.
+            // The new start must keep the remaining cells where they were.
             let same_cells = |from: &Body, to: &Body| {
                 let (list, _) = own_cells(&to.shape)?;
                 let moved = from.with_cells(list)?;
@@ -310,7 +310,7 @@ fn refill(old: &Body, new: &Body) -> Option<Refill> {
     }
 }
 
-/// Which body of the scene before an edit each body after it was, if it was one.
+/// For every body after an edit, its place in the scene before it, if it was there.
 fn kept_bodies(edit: &Edit, before: usize) -> Vec<Option<usize>> {
     match edit {
         Edit::InsertBody(id, _) => with_gap(id.0, before),
@@ -319,7 +319,7 @@ fn kept_bodies(edit: &Edit, before: usize) -> Vec<Option<usize>> {
     }
 }
 
-/// Which obstacle of the scene before an edit each obstacle after it was, if it was one.
+/// For every obstacle after an edit, its place in the scene before it, if it was there.
 fn kept_obstacles(edit: &Edit, before: usize) -> Vec<Option<usize>> {
     match edit {
         Edit::InsertObstacle(id, _) => with_gap(id.0, before),

@@ -35,7 +35,7 @@ pub enum SessionError {
         #[source]
         source: ResolveError,
     },
-    /// The model of an obstacle cannot be met.
+    /// The model of an obstacle cannot be used.
     #[error("the model of obstacle {}", index + 1)]
     Mesh {
         /// The obstacle's place.
@@ -44,7 +44,7 @@ pub enum SessionError {
         #[source]
         source: ResolveError,
     },
-    /// A part that the model of a body does not have.
+    /// A named part that the model of a body does not have.
     #[error(transparent)]
     Part(Problem),
     /// Nobody waited for the scene any more.
@@ -53,18 +53,18 @@ pub enum SessionError {
     /// Nobody waited for a change any more.
     #[error("the change was stopped; everything is as it was")]
     ChangeStopped,
-    /// More memory than there is.
+    /// The scene needs more memory than there is.
     #[error(
         "the scene needs about {} of memory, and {} is free {whose}; use fewer or larger cells, or start with \
          --memory {:.0} to try all the same, though the system may end the program then",
         bytes_text(*needed), bytes_text(*free), (*needed as f64 / 1e9).ceil().max(1.0)
     )]
     Memory {
-        /// What it needs, bytes.
+        /// What the scene needs, bytes.
         needed: u64,
-        /// What there is, bytes.
+        /// What is free, bytes.
         free: u64,
-        /// Who says so.
+        /// Where that limit comes from, in words.
         whose: &'static str,
     },
     /// An edit does not fit the scene.
@@ -102,16 +102,16 @@ pub enum SessionError {
         /// The speed asked for.
         speed: f64,
     },
-    /// A pull at something that is not there.
+    /// A pull at a body or particle that does not exist.
     #[error("the pull names a body or particles that the scene does not have")]
     Pull,
-    /// A body has a cell.
+    /// The last cell of a body cannot be taken away.
     #[error("the last cell of {name} stays; delete the whole body instead")]
     LastCell {
         /// The body.
         name: String,
     },
-    /// Modes of something that is not there.
+    /// Modes of a body that the scene does not have.
     #[error("the modes are of another body than the scene has; find them again")]
     Modes,
 }

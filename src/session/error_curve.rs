@@ -1,5 +1,5 @@
-//! How exact every scheme at every step is on a scene, for the time it takes (R1): computed on the caller's thread, with
-//! less work than the report takes; tells how far it is and stops through [`Progress`].
+//! Measures the error and the run time of every scheme at every step on a scene (R1). Works on the caller's thread, with
+//! less work than the report takes; reports and stops through [`Progress`].
 
 use std::path::Path;
 use std::sync::Arc;
@@ -17,27 +17,28 @@ use crate::scene::settings::{Integrator, Stepping};
 use crate::scene::{Scene, Settings, ViewSettings};
 use crate::view::legend::three_digits;
 
-/// Simulated time that is compared, s: at least, whatever work that is, and at most.
+/// The least and the most simulated time that is compared, s; the least is compared whatever work it takes.
 const SECONDS: [f64; 2] = [0.2, 1.2];
-/// What is compared of the motion after the first contact, and of one without contact, s.
+/// The time that is compared after the first contact, and of a motion without contact, s.
 const AFTER_CONTACT_SECS: f64 = 0.4;
 const WITHOUT_CONTACT_SECS: f64 = 0.6;
-/// Link forces that are spent at most where more than the least time is compared: about a minute of work.
+/// The most link forces to evaluate where more than the least time is compared: about a minute of work.
 const MOST_LINK_FORCES: f64 = 6e9;
-/// The share of the work that looking for the first contact is, about.
+/// The approximate share of the work that looking for the first contact takes.
 const LOOKING_AHEAD: f64 = 0.01;
-/// Runs of each at most, and how long they take in all when that is enough; steps and the reference's fineness.
+/// As in [`Effort`]: the most runs of each choice, the time in all after which a run is not repeated, the most steps
+/// measured, and the step of the reference as a share of the smallest of these.
 const REPEATS: usize = 3;
 const ENOUGH: Duration = Duration::from_millis(100);
 const MOST_RUNGS: u32 = 7;
 const FINER: f64 = 0.125;
-/// Steps that differ by a smaller share are the same.
+/// Steps that differ by a smaller share count as equal.
 const SAME: f64 = 1e-9;
 
 /// A scheme and a step, as the settings of a scene choose them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepChoice {
-    /// The scheme; none in automatic stepping, which chooses by itself.
+    /// The scheme; none in automatic stepping, which chooses the scheme itself.
     pub integrator: Option<Integrator>,
     /// The step, s.
     pub dt_secs: f64,
@@ -82,27 +83,27 @@ pub struct CurvePoint {
 pub struct Span {
     /// Its length, s.
     pub simulated_secs: f64,
-    /// When a body first meets an obstacle, s; none where that is later than is looked ahead.
+    /// When a body first meets an obstacle, s; none where that is beyond the time that is looked ahead.
     pub first_contact_secs: Option<f64>,
-    /// Whether a longer one was wanted and would be too much work.
+    /// Whether a longer stretch was wanted but is too much work.
     pub cut_short: bool,
 }
 
 /// Every choice that was measured on a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorCurve {
-    /// The scene, but for what is chosen and how it looks.
+    /// The scene, with the compared settings and the view at their defaults.
     scene: Scene,
     /// The choices; those of a scheme stand together, the largest step first.
     pub points: Vec<CurvePoint>,
-    /// For how long the motion was compared.
+    /// The stretch of the motion that was compared.
     pub span: Span,
-    /// What the reference itself is known to, m.
+    /// The error of the reference itself, m.
     pub known_m: f64,
 }
 
-/// Measures a scene from its start; relative model paths start at `base_dir`. `pause` is called between two steps, for who
-/// leaves the processors to others; its time is not measured.
+/// Measures a scene from its start; relative model paths start at `base_dir`. `pause` is called between two steps, so that a
+/// caller can leave the processors to others; its time is not measured.
 pub fn error_curve(
     scene: &Scene,
     base_dir: &Path,
@@ -140,7 +141,7 @@ fn effort(seconds: f64) -> Effort {
 }
 
 impl Span {
-    /// Long enough to hold the first contact and what follows it, where that is not too much work. None where `watch`
+    /// Chooses a stretch that holds the first contact and what follows it, unless that is too much work. None where `watch`
     /// cancels.
     fn of(scene: &Scene, lattices: &[Arc<Lattice>], watch: &dyn Watch) -> Option<Self> {
         let [least, most] = SECONDS;
@@ -159,7 +160,7 @@ impl Span {
         Some(Self::chosen(first_contact_secs, (MOST_LINK_FORCES / of_a_second.max(1.0)).max(least)))
     }
 
-    /// As much as is wanted, and no more than is affordable.
+    /// Chooses as much as is wanted, and no more than is affordable.
     fn chosen(first_contact_secs: Option<f64>, affordable_secs: f64) -> Self {
         let wanted = first_contact_secs.map_or(WITHOUT_CONTACT_SECS, |contact| contact + AFTER_CONTACT_SECS);
         let wanted = wanted.clamp(WITHOUT_CONTACT_SECS, SECONDS[1]);
@@ -195,13 +196,13 @@ fn point(row: &Row) -> CurvePoint {
 }
 
 impl ErrorCurve {
-    /// Whether it tells of this scene, whatever scheme and step that has.
+    /// Whether it was measured on this scene, whatever the scene's scheme and step are.
     pub fn is_of(&self, scene: &Scene) -> bool {
         self.scene == without_choice(scene)
     }
 
-    /// What is known of a choice, measured or between two that were: its wall time for a simulated second, s, and its
-    /// error, m. None where it diverges or was not measured: [`Self::unknown_words`] says which.
+    /// Returns the wall time of a choice for a simulated second, s, and its error, m: measured, or interpolated between two
+    /// measured steps. None where it diverges or was not measured: [`Self::unknown_words`] says which.
     pub fn place(&self, choice: StepChoice) -> Option<[f64; 2]> {
         let of_scheme = self.points.iter().filter(|point| point.choice.integrator == choice.integrator);
         let known: Vec<_> = of_scheme.filter_map(|point| Some((point, point.error_m?))).collect();
@@ -221,7 +222,7 @@ impl ErrorCurve {
 }
 
 impl ErrorCurve {
-    /// Why nothing is known of a choice that has no place, without a full stop.
+    /// Explains why [`Self::place`] knows nothing of a choice, without a full stop.
     pub fn unknown_words(&self, choice: StepChoice) -> String {
         let of_scheme = || self.points.iter().filter(|point| point.choice.integrator == choice.integrator);
         let steps = |point: &CurvePoint| step_text(point.choice.dt_secs);
@@ -243,13 +244,13 @@ impl ErrorCurve {
 }
 
 impl CurvePoint {
-    /// Whether it is of the step of a choice.
+    /// Whether its step is that of a choice.
     fn is_step(&self, choice: StepChoice) -> bool {
         (self.choice.dt_secs / choice.dt_secs - 1.0).abs() < SAME
     }
 }
 
-/// A scene with one and the same scheme, step and looks.
+/// Returns a scene with the compared settings and the view at their defaults.
 fn without_choice(scene: &Scene) -> Scene {
     let usual = Settings::default();
     let settings = Settings {
@@ -332,7 +333,7 @@ mod tests {
             let found = curve.place(choice(safe_secs));
             assert!(found.is_some_and(|[_, error_m]| error_m < 0.1), "{integrator:?}, {safe_secs} s: {found:?}");
         }
-        // Of the steps halved again and again the next larger one diverges: it is no neighbour to go by.
+        // The steps are halved again and again, and the next larger one diverges: it is no neighbour to interpolate with.
         let one_ms = StepChoice { integrator: Some(Integrator::SemiImplicit), dt_secs: 1e-3 };
         assert_eq!(curve.unknown_words(one_ms), "it diverges");
     }

@@ -1,4 +1,4 @@
-//! Why a simulation broke: what was too large against what.
+//! Explains why a simulation broke: which value was too large for which other one.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -38,7 +38,7 @@ impl Session {
         Some(self.told("It broke", words))
     }
 
-    /// What is told, with the cures that were found so far.
+    /// Builds what a person is shown, with the cures found so far.
     fn told(&self, title: &str, words: String) -> Trouble {
         Trouble {
             title: title.to_owned(),
@@ -64,7 +64,8 @@ impl Session {
         }
     }
 
-    /// What did not help a second ago may help now: cells that are still being crushed are not turned back.
+    /// Whether to try cures again. One that failed a second ago may help now: cells are not turned back while they are being
+    /// crushed.
     fn is_worth_another_trial(&self, trials: &Trials) -> bool {
         let since_secs = self.simulation.state().time_secs - trials.began_at_secs();
         trials.are_over() && trials.holds().is_empty() && since_secs >= RETRY_SECS
@@ -75,7 +76,7 @@ impl Session {
         self.trials = Some(Trials::new(&self.scene, self.bodies.lattices(), &self.simulation, cures));
     }
 
-    /// The simulation has just been stopped: looks for the reason, and for what helps.
+    /// Explains why the simulation has just been stopped, and begins to try cures.
     pub(super) fn find_trouble(&mut self) {
         self.trouble = Some(self.explain_divergence());
         let plan = self.simulation.plan();
@@ -87,14 +88,14 @@ impl Session {
         self.try_cures(Exploded { scene: &self.scene, excess, body }.cures());
     }
 
-    /// Goes on looking for what helps until then, or until it is known.
+    /// Goes on trying cures until this instant, or until all are tried.
     pub(super) fn look_for_cures(&mut self, until: Option<Instant>) {
         if let Some(trials) = &mut self.trials {
             trials.go_on(until, &self.stop);
         }
     }
 
-    /// What is wrong, if anything is, with what helps.
+    /// Returns what is wrong, if anything is, with the cures found so far.
     pub(super) fn trouble_now(&self) -> Option<Trouble> {
         let Some(trouble) = &self.trouble else { return self.explain_inversion() };
         let Trouble { title, words, guilty_links, .. } = trouble.clone();
@@ -130,7 +131,7 @@ impl Session {
             "{STOPPED}: {scheme} has no stable step. It gives every vibration energy, less in smaller steps but always \
              some."
         );
-        // Whichever grows fastest has ended it: no family is more to blame than another.
+        // The vibration that grows fastest has ended it: no family is more to blame than another.
         let guilty_links = extract::guilty::guilty_links(&self.simulation, self.fastest_body(), &Family::ALL);
         Trouble { guilty_links: Arc::new(guilty_links), ..self.told(EXPLODED, words) }
     }

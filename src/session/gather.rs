@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! cow.obj                          a model that is one file
-//! lamp/lamp.gltf, lamp/bin/a.bin   one that has its buffers, materials or pictures beside it, and they as it names them
+//! lamp/lamp.gltf, lamp/bin/a.bin   a model with buffers, materials or pictures beside it, at the paths that it gives them
 //! ```
 //!
-//! In a folder or within a scene file they are found there by another person.
+//! At these places, in a folder or within a scene file, another person's program finds them.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -85,7 +85,7 @@ pub(super) enum Source {
 }
 
 impl Gathered {
-    /// The file to be held by a scene.
+    /// Packs the file for a scene.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -101,8 +101,8 @@ impl Gathered {
     }
 }
 
-/// Gathers the files of a scene's models, whose relative paths start at `base_dir`. The scene then names each model by its
-/// place behind `prefix`, and holds none.
+/// Gathers the files of a scene's models, whose relative paths start at `base_dir`. The scene then names each model by
+/// `prefix` and its place, and holds no model files itself.
 ///
 /// # Errors
 /// If a model cannot be read.
@@ -129,7 +129,7 @@ pub(super) fn gather(scene: &mut Scene, base_dir: &Path, prefix: &str) -> Result
         let is_free = |place: &String| taken.iter().all(|(_, other)| !other.eq_ignore_ascii_case(place));
         let place = std::iter::once(own(&name)).chain(numbered).find(is_free).unwrap_or_default();
         let folder = place.rsplit_once('/').map_or("", |(folder, _)| folder);
-        // The model itself may be called otherwise; what is beside it is not.
+        // Only the model itself may get another name; the files beside it keep theirs.
         let in_folder = |(number, (name, from)): (usize, (String, Source))| {
             let place = if number == 0 { place.clone() } else { format!("{folder}/{name}") };
             Gathered { place, from }
@@ -141,7 +141,7 @@ pub(super) fn gather(scene: &mut Scene, base_dir: &Path, prefix: &str) -> Result
     Ok(all)
 }
 
-/// The same scene with all its models inside.
+/// Returns the scene with all its models inside.
 ///
 /// # Errors
 /// If a model cannot be read.
@@ -152,14 +152,14 @@ pub(super) fn with_models_inside(scene: &Scene, base_dir: &Path) -> Result<Scene
     Ok(scene)
 }
 
-/// The files of a model on the disk, itself first: their names as seen from its folder.
+/// Returns the files of a model on the disk, the model first, with their names as seen from its folder.
 fn files_on_disk(path: &Path, whose: &str) -> Result<Vec<(String, Source)>, CollectError> {
-    // What another person could not open is found here and now.
+    // A model that another person could not open is refused now.
     import::load(path, Detail::Form)
         .map_err(|source| CollectError::Model { whose: whose.to_owned(), source: Box::new(source) })?;
     let beside = folder_of(path);
     let named = |file: PathBuf| {
-        // What lies beside a model is never above it.
+        // The files beside a model are never in a folder above it.
         let name = if file == path { path.file_name().map(Path::new) } else { file.strip_prefix(&beside).ok() };
         match name.and_then(Path::to_str) {
             Some(name) => Ok((name.replace('\\', "/"), Source::Disk(file))),
@@ -169,7 +169,7 @@ fn files_on_disk(path: &Path, whose: &str) -> Result<Vec<(String, Source)>, Coll
     import::files_of(path).into_iter().map(named).collect()
 }
 
-/// The same of a model that the scene holds.
+/// The same for a model within the scene.
 fn held_files(held: &Embedded, place: &str, whose: &str) -> Result<Vec<(String, Source)>, CollectError> {
     let lost = |place: &str| CollectError::Lost { whose: whose.to_owned(), place: place.to_owned() };
     let folder = place.rsplit_once('/').map_or("", |(folder, _)| folder);

@@ -14,7 +14,7 @@ use crate::physics::Arrival;
 use crate::scene::Scene;
 
 impl Session {
-    /// As [`Session::handle`]; what takes long tells how far it is, and is refused once nobody waits for it.
+    /// As [`Session::handle`]; long work reports its progress, and is refused once nobody waits for it.
     pub fn handle_awaited(&mut self, command: Command, progress: &Arc<Progress>) -> Result<(), SessionError> {
         self.progress = Some(Arc::clone(progress));
         let outcome = self.handle(command);
@@ -22,12 +22,12 @@ impl Session {
         outcome
     }
 
-    /// Does what a person asked for; nothing has changed where it is refused.
+    /// Carries out a person's command; on an error nothing changes.
     pub fn handle(&mut self, command: Command) -> Result<(), SessionError> {
         match command {
             Command::Play => {
                 self.too_slow.clear();
-                // What exploded cannot go on.
+                // A simulation that exploded cannot go on.
                 if self.simulation.has_diverged() {
                     self.restart();
                 }
@@ -90,7 +90,7 @@ impl Session {
 }
 
 impl Opened {
-    /// What a command puts in the place of the scene, if it does.
+    /// Returns the scene with which a command replaces the present one, if it does.
     ///
     /// # Errors
     /// If the file it names cannot be read.

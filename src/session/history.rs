@@ -17,7 +17,7 @@ pub(super) struct Change {
     pub(super) words: String,
     /// A body (its place before the change) and how it moved, where the change moved, reshaped or removed it.
     pub(super) motion: Option<(usize, BodyMotion<f32>)>,
-    /// The body is put to its start, also where its start was there before.
+    /// Whether the body is put to its start even if its start did not change.
     pub(super) teleport: bool,
 }
 
@@ -37,12 +37,12 @@ pub(super) struct Undone {
 pub(super) struct History {
     done: VecDeque<Change>,
     undone: Vec<Undone>,
-    /// The last change goes on: a value is being dragged.
+    /// Whether the last change is open: a value is still being dragged.
     open: bool,
 }
 
 impl History {
-    /// A person has changed something.
+    /// Records a change that a person has made.
     pub(super) fn record(&mut self, change: Change) {
         self.undone.clear();
         let goes_on = self.open
@@ -50,30 +50,30 @@ impl History {
                 .done
                 .back()
                 .is_some_and(|last| last.words == change.words && last.inverse.replaces_same_node_as(&change.inverse));
-        // The older inverse stands for both.
+        // The older inverse takes back both.
         if !goes_on {
             self.push(change);
         }
         self.open = true;
     }
 
-    /// The next change is one of its own.
+    /// Closes the last change: the next one is taken back on its own.
     pub(super) fn close(&mut self) {
         self.open = false;
     }
 
-    /// Whether the last change goes on.
+    /// Whether the last change is still open.
     pub(super) fn is_open(&self) -> bool {
         self.open
     }
 
-    /// The last change, which is about to be taken back.
+    /// Removes the last change, which is about to be taken back.
     pub(super) fn pop_done(&mut self) -> Option<Change> {
         self.open = false;
         self.done.pop_back()
     }
 
-    /// A change could not be taken back, or was made again.
+    /// Adds a change that could not be taken back, or was made again.
     pub(super) fn push(&mut self, change: Change) {
         self.open = false;
         self.done.push_back(change);
@@ -82,13 +82,13 @@ impl History {
         }
     }
 
-    /// The change that was taken back last, which is about to be made again.
+    /// Removes the change that was taken back last, which is about to be made again.
     pub(super) fn pop_undone(&mut self) -> Option<Undone> {
         self.open = false;
         self.undone.pop()
     }
 
-    /// A change was taken back.
+    /// Adds a change that was taken back.
     pub(super) fn push_undone(&mut self, undone: Undone) {
         self.undone.push(undone);
     }

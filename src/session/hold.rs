@@ -1,10 +1,10 @@
-//! Leaving the processors to whoever needs them for a moment: on a software driver a picture that a person waits for is
-//! drawn in half the time while no step is taken beside it.
+//! Pauses a simulation for a moment, so that another thread has the processors: on a software driver a picture that a person
+//! waits for is drawn in half the time if no step runs beside it.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// A simulation is held no longer than this at a time, whatever becomes of the one who holds it.
+/// The longest hold of a simulation at a time, whatever becomes of the holder.
 const LONGEST: Duration = Duration::from_millis(50);
 
 /// Holds a simulation between two substeps, from another thread.
@@ -15,12 +15,12 @@ pub struct Hold {
 }
 
 impl Hold {
-    /// The simulation waits before its next substep, until it is let go.
+    /// Makes the simulation wait before its next substep, until it is let go.
     pub fn hold(&self) {
         *self.lock() = true;
     }
 
-    /// The simulation goes on.
+    /// Lets the simulation go on.
     pub fn let_go(&self) {
         *self.lock() = false;
         self.let_go.notify_all();

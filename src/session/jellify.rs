@@ -24,9 +24,9 @@ use crate::scene::resolve::{Jelly, ModelPlaces, ResolveError, fill};
 use crate::scene::view_settings::CameraSettings;
 use crate::scene::{MovesBy, Scene, Settings, presets};
 
-/// The share of the work that reading and filling with cells is, ...
+/// The progress of the work once the model is read and filled with cells.
 const FILLING: f64 = 0.7;
-/// ... and up to where it is once what cells lose has been looked at.
+/// The progress once the detail that is lost in the cells is found.
 const LOOKED: f64 = 0.85;
 /// A body is let fall from this height, as a share of its longest extent.
 const DROP: f64 = 0.4;
@@ -53,13 +53,13 @@ pub enum JellifyError {
 pub struct Wanted {
     /// The model and how it is filled.
     pub model: ModelShape,
-    /// The body that is to be of it; none makes a new one.
+    /// The body that gets the model; none makes a new one.
     pub body: Option<Box<Body>>,
-    /// What it is to run under.
+    /// The settings that it is to run under.
     pub settings: Settings,
     /// The folder that relative paths start at.
     pub base_dir: PathBuf,
-    /// The models that the scene holds itself.
+    /// The model files within the scene.
     pub held: Embedded,
 }
 
@@ -73,7 +73,7 @@ impl Wanted {
 /// A model made into a body, ready to be added.
 #[derive(Clone, Debug)]
 pub struct Jellified {
-    /// The body, at the place it falls from in an empty scene; one that there was already, where it starts.
+    /// The body: a new one at the place it falls from in an empty scene, an existing one at its start.
     pub body: Body,
     /// Its shape, made ready.
     pub jelly: Jelly,
@@ -102,7 +102,7 @@ pub struct Preview {
     pub joined_share: f64,
     /// The axis of the model's file that points up.
     pub up: UpAxis,
-    /// Nobody chose that axis.
+    /// Whether that axis was guessed.
     pub up_guessed: bool,
     /// Which cells are filled, in a word, and why.
     pub occupancy: [String; 2],
@@ -128,7 +128,7 @@ pub struct Preview {
     pub dt_safe_secs: f64,
     /// What limits it, in plain words.
     pub dt_limited_by: String,
-    /// Simulated seconds in a second of this machine's processor time that the body alone reaches, on the ground.
+    /// Simulated seconds per second of this machine's processor time, for the body alone on the ground.
     pub speed_alone: f64,
     /// What a person should know, a sentence each.
     pub warnings: Vec<String>,
@@ -152,7 +152,7 @@ pub fn jellify(wanted: &Wanted, progress: &Progress) -> Result<Jellified, Jellif
         },
     )?;
     go_on()?;
-    // What was guessed once stays: a scene file says which axis it is.
+    // The axis that was guessed is kept: a scene file names it.
     let model = ModelShape { up: filled.up(), ..model.clone() };
     let grid = *filled.grid();
     let size_m = grid.dims.map(|n| f64::from(n) * grid.cell_size);
@@ -208,7 +208,7 @@ impl Jellified {
         Command::AddBody { body: Box::new(body), jelly: Box::new(jelly) }
     }
 
-    /// Gives a body that there was already its new cells.
+    /// Gives an existing body its new cells.
     pub fn refill(self, body: BodyId) -> Command {
         Command::Refill { id: body, body: Box::new(self.body), jelly: Box::new(self.jelly) }
     }

@@ -20,10 +20,10 @@ const MODELS: usize = 4;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Library {
     base_dir: PathBuf,
-    /// Models that the scene holds itself.
+    /// Model files within the scene.
     embedded: Embedded,
     entries: Vec<(Shape, Jelly)>,
-    /// Models that have been filled and wait to be made ready: that takes long.
+    /// Models that are filled but whose lattices are not built yet, which takes long.
     filled: Vec<(Shape, Filled)>,
     /// Models as they were filled, without what was changed by hand.
     models: Vec<(ModelShape, Filled)>,
@@ -35,7 +35,7 @@ impl Library {
         Self { base_dir, embedded: Embedded::default(), entries: Vec::new(), filled: Vec::new(), models: Vec::new() }
     }
 
-    /// The models that the scene holds itself; another scene holds others.
+    /// Sets the model files within the scene; forgets shapes made from those of another scene.
     pub(super) fn hold(&mut self, embedded: &Embedded) {
         if self.embedded != *embedded {
             self.entries.retain(|(shape, _)| !is_embedded(shape));
@@ -55,7 +55,7 @@ impl Library {
         &self.base_dir
     }
 
-    /// How large a shape is, which need not be made ready for that.
+    /// Returns how large a shape is, without building it.
     pub(super) fn outline(&mut self, shape: &Shape, watch: &dyn Watch) -> Result<Outline, ResolveError> {
         if let Some((_, jelly)) = self.entries.iter().find(|(known, _)| known == shape) {
             return Ok(jelly.outline());
@@ -68,12 +68,12 @@ impl Library {
         Ok(outline)
     }
 
-    /// Forgets shapes that were filled and are not wanted.
+    /// Forgets shapes that were filled and are not used.
     pub(super) fn forget_filled(&mut self) {
         self.filled.clear();
     }
 
-    /// The shape made ready, now or earlier; none once nobody waits for it.
+    /// Returns the shape made ready, now or earlier; none once nobody waits for it.
     pub(super) fn get(&mut self, shape: &Shape, watch: &dyn Watch) -> Result<Option<Jelly>, ResolveError> {
         if let Some(place) = self.entries.iter().position(|(known, _)| known == shape) {
             let known = self.entries.remove(place);
@@ -89,7 +89,7 @@ impl Library {
         Ok(self.entries.last().map(|(_, jelly)| jelly.clone()))
     }
 
-    /// Fills a shape; a model is filled once, whatever is changed of its cells by hand.
+    /// Fills a shape. A model is filled once; changes made by hand are applied to a copy of it.
     fn fill(&mut self, shape: &Shape, watch: &dyn Watch) -> Result<Filled, ResolveError> {
         let Shape::Model(model) = shape else { return fill(shape, self.places(), watch) };
         let own = model.without_changes();
@@ -104,7 +104,7 @@ impl Library {
         filled.by_hand(model)
     }
 
-    /// Takes a shape that was made ready elsewhere. One model in several shapes has its pictures once.
+    /// Takes a shape that was made ready elsewhere. Shapes of one model share its pictures.
     pub(super) fn put(&mut self, shape: Shape, mut jelly: Jelly) {
         self.entries.retain(|(known, _)| *known != shape);
         if let Some(paint) = jelly.paint.as_mut().filter(|paint| !paint.textures().is_empty()) {
@@ -117,7 +117,7 @@ impl Library {
     }
 }
 
-/// Whether a shape is a model that a scene holds itself.
+/// Whether a shape is a model within the scene.
 fn is_embedded(shape: &Shape) -> bool {
     matches!(shape, Shape::Model(model) if model.path.starts_with(embedded::PREFIX))
 }

@@ -1,4 +1,4 @@
-//! What a session finds out of where its steps lead, while someone looks.
+//! The stability and the step error of a session, computed while someone looks.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -8,14 +8,14 @@ use super::stability_map::{StabilityOf, StabilityShown};
 use super::step_error::{SHARE, StepError};
 
 impl Session {
-    /// Looks at the stability of a body, or no longer.
+    /// Begins to show the stability of a body, or ends it.
     pub(super) fn watch_stability(&mut self, of: Option<StabilityOf>) {
         let before = self.stability.as_ref().and_then(|shown| shown.plane.as_ref());
         let models = &self.simulation.model().bodies;
         self.stability = of.map(|of| Arc::new(StabilityShown::of_body(of, &self.scene, models, before)));
     }
 
-    /// Looks anew, where someone looks: something has changed.
+    /// Computes the stability anew after a change, if someone looks.
     pub(super) fn find_stability(&mut self) {
         let of = self.stability.as_ref().map(|shown| shown.of);
         self.watch_stability(of);
@@ -26,7 +26,7 @@ impl Session {
         if self.simulation.has_diverged() { StepError::Breaks } else { self.step_errors.shown() }
     }
 
-    /// Goes on with the prediction in a small share of the time that steps have, where anything moves.
+    /// Goes on predicting the step error, in a small share of the time for steps, while anything moves.
     pub(super) fn predict_step_error(&mut self, budget: Duration) {
         if self.simulation.is_asleep() || self.simulation.has_diverged() {
             self.step_errors.forget();

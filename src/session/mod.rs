@@ -1,6 +1,6 @@
-//! The running sandbox with no window, no GPU and no thread of its own: commands go in, time goes in, a status and
-//! a picture come out. Deterministic in everything but how many steps fit into a stretch of wall time, so that
-//! everything a person can do is a test.
+//! The running sandbox with no window, no GPU and no thread of its own: commands go in, time goes in, a status and a picture
+//! come out. Deterministic in everything but how many steps fit into a stretch of wall time, so that everything a person can
+//! do can be tested.
 
 pub mod background;
 pub mod beside;
@@ -98,20 +98,20 @@ use stroke::Stroke;
 use trials::Trials;
 use wanted_modes::{FoundModes, WantedModes};
 
-/// While time runs, one part in so many goes to looking for what helps.
+/// While time runs, trying cures takes one part in this many of the time budget.
 const CURES_SHARE: u32 = 4;
 
 /// A running sandbox.
 #[derive(Debug)]
 pub struct Session {
-    /// Shared with who shows it; another one after every edit.
+    /// Shared with whoever shows it; another allocation after every edit.
     scene: Arc<Scene>,
     document: Document,
     library: Library,
     bodies: Bodies,
     simulation: Simulation<f32>,
     history: History,
-    /// What a brush that is down has done.
+    /// The changes of the present brush stroke.
     stroke: Stroke,
     clock: Clock,
     playing: bool,
@@ -121,29 +121,29 @@ pub struct Session {
     report: StepReport,
     /// Why the simulation was stopped, if it was.
     trouble: Option<Trouble>,
-    /// Cures of what is wrong, as they are tried.
+    /// The cures under trial for what is wrong.
     trials: Option<Trials>,
-    /// Cells turned inside out where nothing turns them back.
+    /// Cells turned inside out; 0 while recovery from inversion is on.
     inverted_cells: usize,
     /// The first warning about the scene; found anew after every edit, not every frame.
     notice: String,
     picture: Picture,
-    /// How far the values of each body may go.
+    /// How far the material values of each body may go.
     safe: Vec<safe::Found>,
     /// What the steps cost, while someone looks.
     costs: Option<Costs>,
-    /// Where their time goes, from a few of them.
+    /// Where the time of the steps goes, from a sample of them.
     sample: Sample,
     /// The share of the processors that drawing takes.
     drawing: f64,
     /// The stability of a body, while someone looks.
     stability: Option<Arc<StabilityShown>>,
-    /// Predictions of how far the steps miss.
+    /// Predictions of the error of the steps.
     step_errors: StepErrors,
     /// Set by whoever wants a substep given up.
     stop: Arc<AtomicBool>,
     hold: Arc<Hold>,
-    /// Who waits for what is being done, where someone may leave.
+    /// The progress of the present command, if someone waits for it who may leave.
     progress: Option<Arc<Progress>>,
     /// The modes that are shown of a body, while someone looks.
     swinging: Option<Swinging>,
@@ -155,24 +155,24 @@ pub struct Session {
     awaited_modes: Option<Arc<WantedModes>>,
     /// Why time stands still until a person lets it run; empty where it does not.
     too_slow: String,
-    /// That is still to be found out.
+    /// Whether it is still to be found out if time would run too slowly.
     may_be_too_slow: bool,
 }
 
 impl Session {
-    /// A scene at its start, time running. Relative model paths start at `base_dir`.
+    /// Opens a scene at its start, time running. Relative model paths start at `base_dir`.
     pub fn new(scene: Scene, base_dir: PathBuf, title: String) -> Result<Self, SessionError> {
         Self::open(Opened::without_file(scene, title, base_dir), &())
     }
 
-    /// A scene from a file or elsewhere at its start, time running; `watch` sees the filling of models.
+    /// Opens a scene from a file or elsewhere at its start, time running; `watch` follows the filling of models.
     pub fn open(opened: Opened, watch: &dyn Watch) -> Result<Self, SessionError> {
         let document = Document::new(&opened);
         let library = Library::new(opened.base_dir);
         Self::start(opened.scene, document, library, watch)
     }
 
-    /// Another sandbox at the start of another scene; shapes and modes that are ready here are not made again.
+    /// Opens another scene in another sandbox, at its start; shapes and modes that are ready here are used again.
     pub fn with_scene(&self, scene: Scene) -> Result<Self, SessionError> {
         let mut other = Self::start(scene, self.document.clone(), self.library.clone(), &())?;
         other.found_modes.clone_from(&self.found_modes);
@@ -235,7 +235,7 @@ impl Session {
         self.notice = self.warnings().into_iter().next().unwrap_or_default();
     }
 
-    /// Finds how far values may go; what has not changed is kept.
+    /// Finds how far values may go; the results of unchanged bodies are kept.
     fn find_safe_values(&mut self) {
         self.safe = safe::find(&self.scene, &self.simulation.model().bodies, &self.safe);
         self.find_stability();
@@ -253,14 +253,13 @@ impl Session {
         self.picture.touch();
     }
 
-    /// Nothing is wrong any more, as far as is known.
+    /// Forgets what was wrong, and the cures under trial.
     fn forget_trouble(&mut self) {
         (self.trouble, self.trials) = (None, None);
     }
 
-    /// Lets `wall` time pass: takes the steps that are owed, and returns after about `budget` even if some are not
-    /// taken; an expensive step is left half done and goes on at the next call. Looks for what helps where something is
-    /// wrong.
+    /// Lets `wall` time pass: takes the steps that are owed, and returns after about `budget` even if some are not taken; an
+    /// expensive step is left half done and goes on at the next call. Tries cures where something is wrong.
     pub fn advance(&mut self, wall: Duration, budget: Duration) {
         if self.swing_on(wall) || self.awaited_modes.is_some() {
             return;
@@ -299,12 +298,12 @@ impl Session {
         self.find_inversion();
     }
 
-    /// Finds out what helps where something is wrong, however long it takes.
+    /// Tries all cures where something is wrong, however long it takes.
     pub fn find_cures(&mut self) {
         self.look_for_cures(None);
     }
 
-    /// Takes one whole step; none while modes are to be found. Says whether the simulation is still sound.
+    /// Takes one whole step; none while modes are to be found. Returns whether the simulation is still sound.
     pub fn step(&mut self) -> bool {
         if self.awaited_modes.is_some() {
             return true;
@@ -350,17 +349,17 @@ impl Session {
         !self.report.diverged
     }
 
-    /// Substeps are given up while this is set, and taken anew later.
+    /// Sets the flag that gives substeps up while it is set; they are taken anew later.
     pub fn set_stop(&mut self, stop: Arc<AtomicBool>) {
         self.stop = stop;
     }
 
-    /// Waits between the substeps of [`Session::advance`] while this is held.
+    /// Sets the hold on which [`Session::advance`] waits between substeps.
     pub fn set_hold(&mut self, hold: Arc<Hold>) {
         self.hold = hold;
     }
 
-    /// The bodies whose models have parts with names, and how many cells are of each.
+    /// The bodies whose models have parts with names, and how many cells each part has.
     pub fn named_parts(&self) -> Vec<BodyParts> {
         self.bodies.named_parts()
     }
@@ -376,7 +375,7 @@ impl Session {
         self.playing
     }
 
-    /// Whether it is not yet known what helps where something is wrong.
+    /// Whether cures of what is wrong are still being tried.
     pub fn is_looking_for_cures(&self) -> bool {
         self.trials.as_ref().is_some_and(|trials| !trials.are_over())
     }
@@ -415,7 +414,7 @@ impl Session {
         self.picture.touch();
     }
 
-    /// The simulated time from which on nothing has moved, s: the present one while something moves.
+    /// The simulated time from which on nothing has moved, s; the present time while something moves.
     fn rest_since_secs(&self) -> f64 {
         self.rest_since_secs.unwrap_or_else(|| self.simulation.state().time_secs)
     }

@@ -13,7 +13,7 @@ use crate::physics::{BodyModel, ModalModel};
 use crate::scene::{Body, Scene, named};
 use crate::view::legend::three_digits;
 
-/// What is known of modes is kept for so many bodies beside those of the scene, so that undo finds them at once.
+/// How many bodies outside the scene keep their known modes, so that undo finds them at once.
 const KEPT: usize = 8;
 
 /// The modes that a body moves by; the names are those of the JSON object of the command line.
@@ -40,12 +40,12 @@ impl Session {
         self.awaited_modes.as_ref()
     }
 
-    /// Where modes are kept of its scene, as [`folder`] has it.
+    /// The folder in which modes of its scene are kept: see [`folder`].
     pub fn modes_folder(&self, spare: Option<PathBuf>) -> Option<PathBuf> {
         folder(self.document.file.as_deref(), spare)
     }
 
-    /// The modes that bodies move by, of every body that does.
+    /// The modes of every body that moves by modes.
     pub fn modes_figures(&self) -> Vec<ModesFigures> {
         let bodies = self.scene.bodies.iter().zip(&self.simulation.model().bodies).enumerate();
         let of = |(number, (body, model)): (usize, (&Body, &BodyModel<f32>))| {
@@ -55,8 +55,8 @@ impl Session {
         bodies.filter_map(of).collect()
     }
 
-    /// Finds the modes of all bodies that are to move by them, however long it takes; `folder` keeps them. What `watch` cancels
-    /// moves by its cells.
+    /// Finds the modes of all bodies that are to move by them, however long it takes; `folder` keeps them. A body whose
+    /// search `watch` cancels moves by its cells.
     pub fn find_modes(&mut self, folder: Option<&Path>, watch: &dyn Watch) {
         while let Some(wanted) = self.awaited_modes.clone() {
             let found = wanted.find_in(&self.simulation, wanted.body.0, folder, watch);
@@ -64,7 +64,7 @@ impl Session {
         }
     }
 
-    /// Goes on with what became of looking for modes.
+    /// Takes the outcome of a search for modes, and goes on.
     pub(super) fn take_modes(&mut self, found: FoundModes) {
         self.found_modes.retain(|known| !is_of(&known.described, &found.described));
         self.found_modes.push(found);
@@ -81,9 +81,9 @@ impl Session {
         scene.bodies.iter().map(of).collect()
     }
 
-    /// Has bodies move by what the scene says, as far as modes are known.
+    /// Makes bodies move by cells or by modes as the scene says, as far as the modes are known.
     pub(super) fn follow_modes(&mut self) {
-        // Who asks again after a stop means it.
+        // A stopped search is forgotten once no body wants its modes, so that asking for them again starts it anew.
         let scene = Arc::clone(&self.scene);
         let is_used =
             |known: &FoundModes| scene.bodies.iter().any(|body| is_wanted(body) && is_of(body, &known.described));
@@ -119,7 +119,7 @@ impl Session {
         self.found_modes.iter().find(|known| is_of(wanted, &known.described))
     }
 
-    /// What a person should know of bodies that are to move by modes, a sentence each.
+    /// Warnings about bodies that are to move by modes, a sentence each.
     pub(super) fn modes_warnings(&self) -> Vec<String> {
         let of = |(number, body): (usize, &Body)| {
             let name = named(&body.name, "body", number);

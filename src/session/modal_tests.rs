@@ -248,7 +248,7 @@ fn states_of_the_version_before_are_read() {
     let mut session = found();
     (0..100).for_each(|_| assert!(session.step(), "a sound motion"));
     let written = session.state_bytes();
-    // It did not know of free bodies: a word at the end of what it has of the only modal body.
+    // Version 13 did not know free bodies: it lacks the word at the end of the only modal body.
     let contents = written[..written.len() - 16].strip_prefix(b"gelatin-state 16\n").expect("this version");
     let mut before = [b"gelatin-state 13\n", contents].concat();
     before.extend(fnv1a(&before).to_le_bytes());
@@ -276,7 +276,7 @@ fn what_a_state_says_of_modes_is_checked_and_other_modes_take_up_its_motion() {
     fewer.find_modes(None, &());
     fewer.set_state_bytes(&session.state_bytes()).expect("a state of these cells");
     let [all, own] = [&session, &fewer].map(|of| &of.simulation().state().modal[0].amplitude);
-    // The first two swing alike, along two directions that may be any.
+    // The first two modes have the same frequency, so that their directions are arbitrary.
     let of_pair = |of: &[f64]| of[0].hypot(of[1]);
     let off = [of_pair(own) - of_pair(all), own[3] - all[3]];
     assert!(own.len() == 4 && off.iter().all(|off| off.abs() < 1e-5), "{own:?} of {all:?}");
@@ -291,7 +291,7 @@ fn modes_that_were_kept_are_found_at_once_and_damaged_ones_anew() {
     let files = || fs::read_dir(&cache).expect("it is made").map(|entry| entry.expect("an entry").path());
     let kept: Vec<PathBuf> = files().collect();
     assert_eq!(kept.len(), 1, "{kept:?}");
-    // Who may not look any further has them all the same.
+    // A cancelled search still finds modes that are kept.
     let stopped = Progress::default();
     stopped.cancel();
     let mut second = session_of(held());

@@ -47,7 +47,7 @@ pub(super) fn seen_from(path: &Path, folder: &Path) -> PathBuf {
     }
     let up = folder.components().skip(all).map(|_| Component::ParentDir);
     let relative: PathBuf = up.chain(target.components().skip(all)).collect();
-    // A link on the way may make `..` lead elsewhere.
+    // With a symbolic link on the way `..` may lead elsewhere.
     let same = match (folder.join(&relative).canonicalize(), path.canonicalize()) {
         (Ok(found), Ok(wanted)) => found == wanted,
         (_, Err(_missing)) => true,
@@ -56,7 +56,7 @@ pub(super) fn seen_from(path: &Path, folder: &Path) -> PathBuf {
     if same { relative } else { path.to_owned() }
 }
 
-/// A folder from the root on; no name is the current one.
+/// Returns the absolute path of a folder; an empty path is the current folder.
 pub(super) fn absolute(folder: &Path) -> PathBuf {
     let named = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     std::path::absolute(named).unwrap_or_else(|_no_current_folder| folder.to_owned())

@@ -1,4 +1,4 @@
-//! The modes of a body to look at, found beside the sandbox, and what is shown of them.
+//! Finds the modes of a body for display, beside the sandbox, and describes what is shown of them.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,10 +14,10 @@ use crate::physics::Simulation;
 use crate::scene::edit::BodyId;
 use crate::scene::{Body, MovesBy, Scene};
 
-/// Modes that a person looks at of a body that moves by its cells.
+/// How many modes are shown of a body that moves by its cells.
 pub const COUNT: usize = 20;
 
-/// The most swings in a second of a picture: an eye does not follow more.
+/// The most swings per second in the picture: the eye does not follow more.
 pub(super) const MOST_HZ: f64 = 2.0;
 
 /// The modes of a body of a scene.
@@ -27,7 +27,7 @@ pub struct BodyModes {
     pub body: BodyId,
     /// The lowest of its modes.
     pub modes: Modes,
-    /// What they are of.
+    /// The body as it was when they were found.
     pub(super) described: Body,
 }
 
@@ -36,7 +36,7 @@ pub struct BodyModes {
 pub struct Swing {
     /// The modes.
     pub of: Arc<BodyModes>,
-    /// Of every mode, how far it moves the particle that it moves farthest, as a share of the body's size.
+    /// For every mode the largest displacement of a particle, as a share of the body's size.
     pub amplitudes: Vec<f64>,
     /// The mode that swings; the others stay as they are.
     pub played: Option<usize>,
@@ -52,7 +52,7 @@ impl PartialEq for Swing {
 #[derive(Clone, Debug)]
 pub(super) struct Swinging {
     pub(super) swing: Swing,
-    /// In seconds.
+    /// How long, s.
     pub(super) secs: f64,
 }
 
@@ -93,13 +93,13 @@ pub(super) fn find(
 }
 
 impl BodyModes {
-    /// Whether they are of the body as the scene has it now; where it stands does not matter.
+    /// Whether they belong to the body as it is in the scene now; its place does not matter.
     pub fn is_of(&self, scene: &Scene) -> bool {
         scene.bodies.get(self.body.0).is_some_and(|body| is_alike(body, &self.described))
     }
 }
 
-/// Whether two bodies have the same modes; where they stand does not matter.
+/// Whether two bodies have the same modes; their places do not matter.
 pub(super) fn is_alike(body: &Body, other: &Body) -> bool {
     let Body { shape, material, inlays, parts, .. } = body;
     (shape, material, inlays, parts) == (&other.shape, &other.material, &other.inlays, &other.parts)

@@ -1,9 +1,9 @@
-//! Modes that were found once, in files of a folder beside the scene, so that a scene opens at once the next time. A file that is damaged or of
-//! something else is as good as none.
+//! Modes that were found once, in files of a folder beside the scene, so that a scene opens at once the next time. A file
+//! that is damaged or belongs to something else is ignored.
 //!
 //! ```text
 //! "gelatin-modes 1\n"            magic and version
-//! key                            two u64: of all numbers that the modes follow from
+//! key                            two u64: checksums of all numbers that the modes depend on
 //! particles, modes               two u64
 //! rates: modes × 2 f64           angular frequency and damping, 1/s
 //! shapes: particles × modes × 3 f32
@@ -21,7 +21,7 @@ use crate::physics::{BodyModel, ModalModel};
 /// What a file begins with.
 const MAGIC: &[u8] = b"gelatin-modes 1\n";
 
-/// A larger file is none of ours.
+/// A larger file is not one of these.
 const MAX_BYTES: u64 = 1 << 30;
 
 /// The ending of a file, and the name of the folder.
@@ -30,7 +30,7 @@ pub(super) const ENDING: &str = "modes";
 /// Files that are kept; the one that was used longest ago goes first.
 const MOST_FILES: usize = 24;
 
-/// What tells modes from others: two checksums of all that they follow from.
+/// Returns the key of modes: two checksums of everything that they depend on.
 pub(super) fn key(body: &BodyModel<f32>, count: usize) -> [u64; 2] {
     let mut bytes = Vec::new();
     let mut add = |number: &[u8]| bytes.extend_from_slice(number);
@@ -59,7 +59,7 @@ pub(super) fn key(body: &BodyModel<f32>, count: usize) -> [u64; 2] {
     [first, fnv1a(&bytes)]
 }
 
-/// The modes of a body that a folder has under this key.
+/// Reads the modes of a body that a folder has under this key.
 pub(super) fn read(folder: &Path, key: [u64; 2], body: &BodyModel<f32>) -> Option<ModalModel> {
     let path = path(folder, key);
     let bytes = disk::read(&path, MAX_BYTES).ok()?;
@@ -71,7 +71,7 @@ pub(super) fn read(folder: &Path, key: [u64; 2], body: &BodyModel<f32>) -> Optio
     modes
 }
 
-/// Keeps modes in a folder, which is made where there is none. What cannot be kept is found anew next time.
+/// Keeps modes in a folder, which is made if it is missing. Modes that cannot be kept are found anew next time.
 pub(super) fn write(folder: &Path, key: [u64; 2], modes: &ModalModel) {
     let mut bytes = MAGIC.to_vec();
     let counts = [key[0], key[1], modes.particle_count() as u64, modes.count() as u64];
@@ -115,7 +115,7 @@ fn parse(bytes: &[u8], key: [u64; 2], body: &BodyModel<f32>) -> Option<ModalMode
     is_sound.then(|| ModalModel::new(&masses(body), rates.as_chunks().0.to_vec(), shapes.as_chunks().0.to_vec()))
 }
 
-/// A file that is used is not the oldest any more.
+/// Marks a file as just used, so that it is not the oldest any more.
 fn note_use(path: &Path) {
     let touched = fs::File::options().append(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
     if let Err(error) = touched {
@@ -123,7 +123,7 @@ fn note_use(path: &Path) {
     }
 }
 
-/// Removes what was used longest ago where there are more files than are kept.
+/// Removes the files that were used longest ago, if there are more than are kept.
 fn remove_oldest(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
     let ours = entries.filter(|entry| entry.path().extension().is_some_and(|ending| ending == ENDING));

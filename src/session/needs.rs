@@ -1,5 +1,5 @@
-//! The memory that a scene needs, known from the number of its cells before any particle is made, and the refusal of a
-//! scene that needs more than there is.
+//! The memory that a scene needs, known from the number of its cells before any particle is made. Refuses a scene that needs
+//! more than is free.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,22 +14,22 @@ use crate::scene::resolve::{Outline, resolve};
 use crate::scene::{ContactOn, Material, MovesBy, Obstacle, ObstacleShape, Scene, Shape};
 use crate::view::SkinVertex;
 
-/// The program itself and what is small, bytes.
+/// The memory of the program itself and of everything small, bytes.
 const PROGRAM: u64 = 10 << 20;
-/// Of a vertex of a skin: itself, its triangles, their edges and folds, its place in double precision, bytes.
+/// The memory of a skin vertex: itself, its triangles, their edges and folds, its position in double precision, bytes.
 const OF_A_SKIN: u64 = size_of::<SkinVertex>() as u64 + 2 * 12 + 3 * 8 + 3 * 16 + 24;
-/// Of a vertex of a mesh that bodies meet: its place and normal, two triangles with what is beyond their edges and the boxes about
-/// them, bytes; and of the grid of distances to all of it.
+/// The memory of a vertex of a mesh that bodies meet: its position and normal, two triangles with the neighbours beyond
+/// their edges and the boxes around them, bytes. And that of the grid of distances to the whole mesh.
 const OF_A_MET_MESH: u64 = 49 + 2 * (2 * 12 + 24 + 28);
 const DISTANCES: u64 = 1 << 20;
-/// What obstacles make of the cost of a large body is not that of a small one: which scheme is cheaper is known to this
-/// factor only.
+/// Schemes whose costs differ by less than this factor count as equally cheap: obstacles change the cost of a large body in
+/// another way than that of the small sample.
 const ABOUT_AS_CHEAP: f64 = 1.3;
-/// Cells an edge of the small body that tells which integrator a large one of its material needs.
+/// Cells along an edge of the small sample that shows which scheme a large body of its material needs.
 const SAMPLE_CELLS: u32 = 3;
 
-/// The bytes that a scene of bodies of these sizes takes without a window while a scheme is at work, beside the pictures
-/// on its models: they are in memory before it is known how large the bodies are.
+/// Returns the bytes that a scene with bodies of these sizes takes without a window while a scheme is at work. The pictures
+/// on its models are not included: they are in memory before the sizes of the bodies are known.
 pub(super) fn needed(scene: &Scene, outlines: &[Outline], scheme: Option<Scheme>) -> u64 {
     let has_sides = |shape: &ObstacleShape| matches!(shape, ObstacleShape::Plane(_) | ObstacleShape::Mesh(_));
     let planes = scene.obstacles.iter().filter(|obstacle| has_sides(&obstacle.shape)).count();
@@ -55,8 +55,8 @@ pub(super) fn needed(scene: &Scene, outlines: &[Outline], scheme: Option<Scheme>
     PROGRAM + lasting + met + while_made.max(of_bodies)
 }
 
-/// What the modes of bodies take that are to move by them, with how each point of their outside moves by them that others
-/// meet; whether there is room to find them is known when they are found.
+/// The memory of the modes of bodies that are to move by them, with the rows of their outer points, which others meet. The
+/// memory for finding the modes is checked when they are sought.
 fn of_modes(scene: &Scene, outlines: &[Outline]) -> u64 {
     let modal = scene.bodies.iter().zip(outlines).filter(|(body, _)| body.moves_by == MovesBy::Modes);
     let own = modal.map(|(body, Outline { counts, .. })| {
@@ -67,7 +67,7 @@ fn of_modes(scene: &Scene, outlines: &[Outline]) -> u64 {
     own.sum()
 }
 
-/// The surfaces of mesh obstacles that are read: each once, whoever shares it.
+/// The surfaces of mesh obstacles that have been read; a shared surface counts once.
 fn surfaces(scene: &Scene) -> Vec<Arc<Surface>> {
     let mut found: Vec<Arc<Surface>> = Vec::new();
     for obstacle in &scene.obstacles {
@@ -78,7 +78,7 @@ fn surfaces(scene: &Scene) -> Vec<Arc<Surface>> {
     found
 }
 
-/// Refuses a scene that needs more than is free, by the scheme that takes most of those which may be at work.
+/// Refuses a scene that needs more memory than is free. Of the schemes that may be at work the one that needs most counts.
 pub(super) fn check(scene: &Scene, outlines: &[Outline]) -> Result<(), SessionError> {
     let by = schemes(scene, outlines).into_iter().map(|scheme| needed(scene, outlines, Some(scheme)));
     let needed = by.max().unwrap_or_else(|| needed(scene, outlines, None));
@@ -88,8 +88,8 @@ pub(super) fn check(scene: &Scene, outlines: &[Outline]) -> Result<(), SessionEr
     }
 }
 
-/// The schemes that may be at work: those that cost about as little as the cheapest, as far as small
-/// bodies of the same materials and cells tell.
+/// The schemes that may be at work: those that cost about as little as the cheapest, judged by small bodies of the same
+/// materials and cells.
 fn schemes(scene: &Scene, outlines: &[Outline]) -> Vec<Scheme> {
     let mut sample = scene.clone();
     for (body, outline) in sample.bodies.iter_mut().zip(outlines) {
@@ -100,7 +100,7 @@ fn schemes(scene: &Scene, outlines: &[Outline]) -> Vec<Scheme> {
         body.pins.clear();
         body.pinned_cells.clear();
         if let Material::Solid(solid) = &mut body.material {
-            // Its damping follows from the body's size.
+            // The damping of a solid depends on the body's size.
             solid.damping_ratio *= f64::from(longest) / f64::from(cells);
         }
     }

@@ -23,7 +23,7 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// Particles have moved, or may have.
+    /// Marks the picture as outdated: particles have moved, or may have.
     pub(super) fn touch(&mut self) {
         self.revision += 1;
     }

@@ -1,4 +1,4 @@
-//! Pins that hold nothing: a sentence each.
+//! Warnings about pins that hold nothing, a sentence each.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use crate::physics::{BodyModel, Model};
 use crate::scene::cell_brush::{cell_in_grid, lowest_cell};
 use crate::scene::{Body, Scene, named};
 
-/// What a person should know about the pins of a scene.
+/// Returns the warnings about the pins of a scene.
 pub(super) fn pin_warnings(scene: &Scene, model: &Model<f32>) -> Vec<String> {
     let bodies = scene.bodies.iter().zip(&model.bodies).enumerate();
     bodies

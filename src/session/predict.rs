@@ -12,13 +12,13 @@ use crate::physics::MOST_WORK_A_FRAME;
 use crate::physics::{Scheme, SchemeCost, Simulation, Term};
 use crate::scene::settings::Integrator;
 
-/// Simulated time that is measured, s: long enough to fall on something, for what falls freely costs the implicit
-/// integrator a third of what is squashed.
+/// Simulated time that is measured, s: long enough for a body to land on something, as a body in free fall costs the
+/// implicit integrator a third of a squashed one.
 const MEASURE_SECS: f64 = 0.5;
-/// The most processor time spent on that.
+/// The most processor time spent on the measurement.
 const MEASURE: Duration = Duration::from_secs(1);
 
-/// Below this share of real time a person is told before anything runs.
+/// Below this share of real time a person is warned before anything runs.
 pub(super) const SLOWEST: f64 = 1e-3;
 
 /// The prediction; the names are those of the JSON object of `gelatin check`. SI units.
@@ -44,7 +44,7 @@ pub struct Prediction {
     #[serde(skip)]
     pub limited_by_words: String,
     pub integrator: &'static str,
-    /// The schemes that were weighed against each other, the one that was asked for first.
+    /// The schemes that were compared, the requested one first.
     pub candidates: Vec<CandidateFigures>,
     pub limits: Vec<LimitFigures>,
     pub substeps_per_frame: u64,
@@ -53,7 +53,7 @@ pub struct Prediction {
     pub predicted_real_time_factor: f64,
 }
 
-/// One term's own limit.
+/// The step limit of one term.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
 pub struct LimitFigures {
@@ -61,7 +61,7 @@ pub struct LimitFigures {
     pub dt_limit_secs: Option<f64>,
 }
 
-/// What a scheme would cost that may take the steps.
+/// The cost of a scheme that may take the steps.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names are the documented keys of the command line's JSON")]
 pub struct CandidateFigures {
@@ -72,8 +72,8 @@ pub struct CandidateFigures {
 }
 
 impl Prediction {
-    /// Of a session at its start. The real-time factor is that of a thread that always has a processor and draws
-    /// nothing, measured on a copy of the first half second.
+    /// Predicts a session at its start. The real-time factor is that of a thread that always has a processor and draws
+    /// nothing. It is measured on a copy, over the first half second.
     pub fn of(session: &Session) -> Self {
         let simulation = session.simulation();
         let plan = simulation.plan();
@@ -118,7 +118,7 @@ fn candidate(&SchemeCost { scheme, substep_secs, cost_per_sec }: &SchemeCost) ->
     CandidateFigures { integrator: Integrator::from(scheme).name(), substep_secs, cost_per_sec }
 }
 
-/// What a person should know before a run that nobody wants to wait for.
+/// Returns the warning before a run that is too slow to wait for.
 pub fn crawl(real_time_factor: f64) -> Option<String> {
     (real_time_factor < SLOWEST).then(|| {
         let wait = 1.0 / real_time_factor.max(f64::MIN_POSITIVE);
@@ -132,7 +132,7 @@ pub fn crawl(real_time_factor: f64) -> Option<String> {
     })
 }
 
-/// What a person should know of substeps that reached the limit of their work.
+/// Returns the warning about substeps that reached the limit of their work.
 pub fn slowed_words(substeps: u64, seconds: f64) -> String {
     format!(
         "in {seconds:.3} s the motion was too violent {substeps} times: the implicit integrator halves a substep for \
@@ -141,7 +141,7 @@ pub fn slowed_words(substeps: u64, seconds: f64) -> String {
     )
 }
 
-/// What was measured on a copy.
+/// The measurement on a copy.
 struct Speed {
     /// Simulated seconds in a second of processor time.
     factor: f64,
@@ -156,7 +156,7 @@ pub fn speed_alone(simulation: &Simulation<f32>) -> f64 {
 
 fn measured(simulation: &Simulation<f32>) -> Speed {
     let mut copy = simulation.clone();
-    // The first one finds nothing in the caches.
+    // The first substep is not measured: the caches are cold.
     copy.substep(&mut ());
     let start_secs = copy.state().time_secs;
     let begin = ThreadTime::now();
@@ -172,9 +172,8 @@ fn measured(simulation: &Simulation<f32>) -> Speed {
     Speed { factor, slowed }
 }
 
-/// Simulated seconds a second in a window whose simulation has a processor for this share of the time that it wants
-/// one; drawing takes the rest. `beside` is the speed that the other bodies would have by themselves, infinite where
-/// there are none.
+/// Simulated seconds per second in a window. The simulation has a processor for `processor_share` of the time that it wants
+/// one; drawing takes the rest. `beside` is the speed that the other bodies would have alone, infinite where there are none.
 pub fn speed_in_window(alone: f64, beside: f64, processor_share: f64) -> f64 {
     processor_share / (1.0 / alone + 1.0 / beside)
 }

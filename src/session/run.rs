@@ -16,7 +16,7 @@ use crate::report::timer::WallTimer;
 use crate::scene::Body;
 use crate::scene::settings::Integrator;
 
-/// Extremes are looked for this often, simulated s; penetration in every substep.
+/// The interval at which extremes are looked for, simulated s; penetration is looked at in every substep.
 const SAMPLE_SECS: f64 = FRAME_SECS;
 
 /// The figures of a run; the names are those of the JSON object. SI units.
@@ -40,7 +40,7 @@ pub struct RunFigures {
     pub limited_by_words: String,
     pub integrator: &'static str,
     pub simd: &'static str,
-    /// Threads that took the steps: of those that there are as many as the bodies are worth.
+    /// Threads that took the steps: as many of those available as the bodies are worth.
     pub threads: usize,
     pub finite: bool,
     pub particles: usize,
@@ -48,7 +48,7 @@ pub struct RunFigures {
     pub modes: Vec<ModesFigures>,
     /// As predicted before the run.
     pub memory_bytes: u64,
-    /// What the process has taken at most; none where the system does not tell.
+    /// The most memory that the process has taken; none where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
     pub links: LinkFigures,
     pub mass_kg: f64,
@@ -64,7 +64,7 @@ pub struct RunFigures {
     pub inverted_cells: usize,
     pub bodies: usize,
     pub bodies_asleep: usize,
-    /// Of those asleep the ones that have fallen out of the scene.
+    /// The sleeping bodies that have fallen out of the scene.
     pub bodies_gone: usize,
     pub narrow_tests: u64,
     pub narrow_tests_saved: u64,
@@ -94,7 +94,7 @@ pub struct EnergyFigures {
     pub elastic: f64,
     pub gravity: f64,
     pub contact: f64,
-    /// Of the recovery from inversion.
+    /// The energy of the recovery from inversion.
     pub recovery: f64,
     pub total: f64,
 }
@@ -162,7 +162,7 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
                 if report.diverged || watch.cancelled() || state.is_between_steps() {
                     break;
                 }
-                // A step of thousands of substeps takes long: whoever waits sees it move and may stop it.
+                // A step of thousands of substeps takes long: whoever waits sees its progress and may stop it.
                 watch.progress((state.time_secs - time_at_start) / seconds);
             }
             if report.diverged || watch.cancelled() {
@@ -170,7 +170,7 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
             }
             let elapsed = session.simulation.state().time_secs - time_at_start;
             if elapsed >= next_sample {
-                // What sleeps has no new extremes.
+                // Sleeping bodies have no new extremes.
                 if !session.simulation.is_asleep() {
                     session.simulation.place_modal();
                     peak.include(&session.simulation.diagnostics());
@@ -197,7 +197,7 @@ pub fn simd_levels() -> Vec<&'static str> {
     SimdLevel::ALL.into_iter().filter(|level| level.is_available()).map(SimdLevel::name).collect()
 }
 
-/// Has every simulation of the process from now on use the vector instructions of this name. Says whether they do: not
+/// Makes every simulation of the process use the vector instructions of this name from now on. Returns whether they do: not
 /// where the machine lacks them, nor after another choice or a simulation.
 pub fn choose_simd_level(name: &str) -> bool {
     SimdLevel::ALL.into_iter().find(|level| level.name() == name).is_some_and(SimdLevel::choose)

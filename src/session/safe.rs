@@ -9,7 +9,7 @@ use crate::scene::body::{Inlay, Part};
 use crate::scene::own_weight::Stature;
 use crate::scene::{Body, Material, Scene};
 
-/// What was found for one body.
+/// The results for one body.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
     material: Material,
@@ -18,7 +18,7 @@ pub(super) struct Found {
     parts: Vec<Part>,
     step: StepSettings,
     contact: ContactLoad,
-    /// How it is built.
+    /// The build of the body.
     pub(super) stature: Stature,
     /// How far its values may go.
     pub(super) safe: Arc<Vec<SafeValue>>,
@@ -26,8 +26,8 @@ pub(super) struct Found {
     pub(super) other: Arc<OtherForm>,
 }
 
-/// Finds what has become of every body, of which `models` were compiled; what was found before and has not changed is
-/// kept.
+/// Finds the safe values, the other form and the build of every body, compiled to `models`. Results from `before` are kept
+/// for bodies that have not changed.
 pub(super) fn find(scene: &Scene, models: &[BodyModel<f32>], before: &[Found]) -> Vec<Found> {
     let step = StepSettings::of(scene);
     let find_one = |(body, model): (&Body, &BodyModel<f32>)| {

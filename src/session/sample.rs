@@ -3,9 +3,9 @@
 use crate::physics::Stage;
 use crate::report::timer::WallTimer;
 
-/// One substep of so many is timed by stages: clocks cost next to nothing then.
+/// One substep in this many is timed by stages, so that reading the clocks costs next to nothing.
 const SAMPLED: u32 = 16;
-/// Timed substeps after which older ones no longer count.
+/// The number of timed substeps after which the measurement starts anew.
 const RECENT: u32 = 64;
 
 /// Where the time of the steps goes, from a sample of them.

@@ -59,7 +59,7 @@ impl Session {
 
     fn message(&self) -> String {
         match &self.awaited_modes {
-            // It is shown with how far they are.
+            // The window shows the wait for modes itself, with its progress.
             Some(_) => String::new(),
             None if self.too_slow.is_empty() => self.notice.clone(),
             None => self.too_slow.clone(),

@@ -5,11 +5,11 @@ use super::Session;
 use super::clock::Stretch;
 use crate::physics::{Scheme, Strain};
 
-/// Slower than this share of the speed asked for is slower than asked.
+/// The simulation counts as slow below this share of the speed asked for.
 pub const KEEPS_UP: f64 = 0.95;
-/// Drawing that takes less than this share of the processors is not what steps wait for.
+/// Steps do not wait for drawing that takes less than this share of the processors.
 const DRAWING_MATTERS: f64 = 0.15;
-/// Fewer iterations of the implicit integrator than this in a substep are not worth a word.
+/// Fewer iterations of the implicit integrator than this in a substep are not mentioned.
 const FEW_ITERATIONS: u64 = 20;
 /// What is known of a simulation that is slower than asked.
 #[derive(Clone, Debug)]
@@ -21,13 +21,13 @@ struct Facts<'a> {
     /// How many processors there are.
     processors: f64,
     halved: bool,
-    /// Whether the limit of their work was reached.
+    /// Whether substeps reached the limit of their work.
     slowed: bool,
     contact: bool,
     links: usize,
     /// Iterations of the implicit integrator in the last substep.
     iterations: u64,
-    /// The substeps that a step takes while links are far from their length at rest.
+    /// The substeps that a step takes while links are far from their rest length.
     strained: Option<u64>,
     /// What limits the step, and the substeps it is divided into.
     divided: Option<(&'a str, u32)>,
@@ -39,7 +39,7 @@ impl Session {
         self.drawing = share;
     }
 
-    /// Whether simulated time is owed that there was no time for.
+    /// Whether simulated time is owed for which there was no wall time.
     pub(super) fn is_behind(&self) -> bool {
         self.playing && self.clock.owes(self.simulation.plan().dt_secs)
     }
@@ -65,7 +65,7 @@ impl Session {
         if self.playing { words(&facts) } else { String::new() }
     }
 
-    /// The substeps in a step, where those that are planned are divided because a body is strained.
+    /// The substeps in a step, if the planned ones are divided because a body is strained.
     fn strained_substeps(&self) -> Option<u64> {
         let (plan, parts) = (self.simulation.plan(), self.report.counters.substeps);
         let mut bodies = self.simulation.state().bodies.iter();
@@ -81,9 +81,9 @@ fn words(facts: &Facts<'_>) -> String {
     if factor >= KEEPS_UP * speed || factor <= 0.0 {
         return String::new();
     }
-    // What it would be if a processor had always been at work on the steps.
+    // The speed if a processor had always been at work on the steps.
     let alone = lately.simulated_secs / lately.processor_secs.max(1e-9);
-    // While steps wait, no processor is idle: what neither drawing nor the steps have, others have.
+    // While steps wait, no processor is idle: other programs have what neither drawing nor the steps take.
     let others = 1.0 - drawing - lately.processor_secs / lately.wall_secs / processors;
     let cause = if alone >= *speed {
         if *drawing >= DRAWING_MATTERS.max(others) {
@@ -111,7 +111,7 @@ fn words(facts: &Facts<'_>) -> String {
     format!("{:.1} times slower than {pace}: {cause}", speed / factor)
 }
 
-/// A number of which the first two digits count: the others flicker.
+/// Rounds a number to its first two digits: the others flicker.
 fn two_digits(count: u64) -> u64 {
     let unit = 10_u64.pow(count.checked_ilog10().map_or(0, |digits| digits.saturating_sub(1)));
     (count + unit / 2) / unit * unit
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
     use crate::scene::presets;
 
-    /// A second in which `simulated` s came of `processor` s of work.
+    /// A second in which `processor_secs` of work simulated `simulated_secs`.
     fn facts(simulated_secs: f64, processor_secs: f64) -> Facts<'static> {
         let lately = Stretch { wall_secs: 1.0, simulated_secs, stepping_secs: 0.9, processor_secs };
         Facts {

@@ -1,6 +1,6 @@
-//! Where the step of a scene is stable over the stiffness and damping of one body: predicted at once, while someone looks,
-//! and measured when a person asks for it (R2). The measurement works on the caller's thread; it tells how far it is and
-//! stops through [`Progress`].
+//! Shows where the step of a scene is stable over the stiffness and damping of one body: predicted at once, while someone
+//! looks, and measured when a person asks for it (R2). The measurement works on the caller's thread; it reports and stops
+//! through [`Progress`].
 
 use std::path::Path;
 use std::sync::Arc;
@@ -22,26 +22,26 @@ use crate::scene::{Body, Family, Material, Scene, Shape};
 
 /// Values along each axis that are measured.
 const VALUES: usize = 13;
-/// Powers of ten that are shown below the end of the border on each axis, and above it.
+/// Powers of ten that each axis shows below the end of the border, and above it.
 const BELOW: f64 = 2.3;
 const ABOVE: f64 = 0.6;
-/// Places of the border that are looked for between columns at most, where it falls by more than this many times.
+/// The most places of the border that are sought between columns, and the factor by which the border must fall there.
 const MOST_BETWEEN: usize = 6;
 const STEEP: f64 = 2.0;
-/// Points of a border that is predicted.
+/// Points of a predicted border.
 const POINTS: usize = 96;
-/// How often the way between two of them is halved where a border falls steeply.
+/// How often the gap between two of these points is halved where a border falls steeply.
 const HALVINGS: usize = 6;
-/// Steps that are watched, at most and at least.
+/// The most and the least steps for which a run is watched.
 const STEPS: [usize; 2] = [600, 200];
-/// Link forces that are spent on a map at most, about: ten seconds of work.
+/// The approximate limit of the link forces evaluated for a map: ten seconds of work.
 const MOST_LINK_FORCES: usize = 1_500_000_000;
-/// Runs that go through all their steps, about.
+/// The approximate number of runs that go through all their steps.
 const WHOLE_RUNS: usize = VALUES * (VALUES / 2 + 3);
 /// Cells an edge of the cube that stands in for a body whose map would be too much work.
 const STAND_IN_CELLS: u32 = 5;
 
-/// Which body is looked at.
+/// The body whose stability is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StabilityOf {
     /// One that was chosen.
@@ -64,13 +64,13 @@ pub struct StabilityShown {
 pub struct PlaneShown {
     /// The body.
     pub body: BodyId,
-    /// Where it stands.
+    /// The place of its present values.
     pub now: Place,
-    /// The largest stiffness that is stable at rest over the damping; empty where every step is stable.
+    /// The largest stiffness that is stable at rest, for rising damping; empty where every step is stable.
     pub border: Vec<Place>,
     /// The same with the margin that automatic stepping keeps.
     pub safe: Vec<Place>,
-    /// From which power of ten to which the axes go: damping, stiffness.
+    /// The powers of ten at which the axes begin and end: damping, stiffness.
     pub decades: [[i32; 2]; 2],
     plane: Arc<StabilityPlane>,
     lattice: Arc<Lattice>,
@@ -101,9 +101,9 @@ pub enum Zone {
 }
 
 impl StabilityShown {
-    /// Of a body of a scene whose bodies were compiled to `models`. While a body that was shown `before` keeps its lattice
-    /// the axes stay those of the same family of springs until another one's values change, so that the dot moves as far
-    /// as its slider and never jumps.
+    /// Shows a body of a scene whose bodies were compiled to `models`. If the body was shown `before` with the same lattice,
+    /// the axes stay those of the same family of springs until the values of another family change, so that the dot follows
+    /// its slider and never jumps.
     pub(super) fn of_body(
         of: StabilityOf,
         scene: &Scene,
@@ -150,22 +150,22 @@ impl PlaneShown {
         Self { body, now, border, safe, decades, plane: Arc::new(plane), lattice }
     }
 
-    /// The step that is looked at.
+    /// The step settings that the plane is computed for.
     pub fn step(&self) -> StepSettings {
         self.plane.step()
     }
 
-    /// The family of springs whose values the axes are; none of a solid.
+    /// The family of springs whose values the axes show; none for a solid.
     pub fn family(&self) -> Option<Family> {
         self.plane.family()
     }
 
-    /// The family of springs that limits the step most; none of a solid.
+    /// The family of springs that limits the step most; none for a solid.
     pub fn limiting_family(&self) -> Option<Family> {
         self.plane.limiting_family()
     }
 
-    /// The body with the values of a place, as near as its parameters go.
+    /// Returns the body with the values of a place, as near as the ranges of its parameters allow.
     pub fn moved(&self, body: &Body, to: Place) -> Body {
         Body { material: self.plane.material_at(to), ..body.clone() }
     }
@@ -182,7 +182,8 @@ impl PlaneShown {
     }
 }
 
-/// Two borders at these values and at more between them where one falls steeply above the least value that is shown.
+/// Computes two borders at these values, and at more values where one of them falls steeply above the least value that is
+/// shown.
 fn closer_where_steep(across: Vec<f64>, least: f64, of: impl Fn(f64) -> [f64; 2]) -> Vec<(f64, [f64; 2])> {
     let at = |x: f64| (x, of(x));
     let mut points: Vec<(f64, [f64; 2])> = across.into_iter().map(at).collect();
@@ -200,7 +201,7 @@ fn closer_where_steep(across: Vec<f64>, least: f64, of: impl Fn(f64) -> [f64; 2]
     points
 }
 
-/// Whole decades around the end of the border and the place, on both axes.
+/// Returns the whole decades around the end of the border and the place, on both axes.
 fn decades(now: Place, ends: Option<Place>) -> [[i32; 2]; 2] {
     let of = |now: f64, end: Option<f64>| {
         let now = (now > 0.0).then(|| libm::log10(now));
@@ -216,27 +217,27 @@ fn decades(now: Place, ends: Option<Place>) -> [[i32; 2]; 2] {
 /// A map that was measured.
 #[derive(Clone, Debug)]
 pub struct StabilityMap {
-    /// The body, but for the values of the axes.
+    /// The body, without the values on the axes.
     body: Body,
     id: BodyId,
     step: StepSettings,
     family: Option<Family>,
-    /// The damping of every column and the stiffness of every row, per unit mass.
+    /// The damping of every column, per unit mass, rising.
     pub damping: Vec<f64>,
-    /// Rising.
+    /// The stiffness of every row, per unit mass, rising.
     pub stiffness: Vec<f64>,
-    /// What became of every column.
+    /// The outcome of every column.
     pub columns: Vec<Survival>,
-    /// The border that was measured, the damping rising.
+    /// The measured border, with rising damping.
     pub border: Vec<Place>,
-    /// Steps that each was watched for.
+    /// Steps for which each run was watched.
     pub watched: usize,
     /// Cells an edge of the cube that stood in for the body; none where it was the body itself.
     pub stand_in: Option<u32>,
 }
 
 impl StabilityMap {
-    /// Whether it was measured for what is shown, whatever the values of its axes are now.
+    /// Whether it was measured for the plane that is shown, whatever the present values on its axes are.
     pub fn is_of(&self, scene: &Scene, shown: &PlaneShown) -> bool {
         let body = scene.bodies.get(shown.body.0);
         (self.id, self.step, self.family) == (shown.body, shown.step(), shown.family())
@@ -244,7 +245,7 @@ impl StabilityMap {
     }
 }
 
-/// A body with one and the same values on the axes of its plane, name, place and looks.
+/// Returns a body with fixed values on the axes of its plane, and the default name, place and looks.
 fn without_values(body: &Body, family: Option<Family>) -> Body {
     let material = match (&body.material, family) {
         (Material::Springs(springs), Some(family)) => {
@@ -264,12 +265,12 @@ fn without_values(body: &Body, family: Option<Family>) -> Body {
 pub struct MapOf {
     /// The body.
     pub body: StabilityOf,
-    /// Of springs the family whose values the axes are; without one that which limits the step most.
+    /// The family of springs on the axes; none for a solid, or for the family that limits the step most.
     pub family: Option<Family>,
 }
 
-/// Measures the map of a body of a scene; relative model paths start at `base_dir`. `pause` is called between two steps,
-/// for who leaves the processors to others.
+/// Measures the map of a body of a scene; relative model paths start at `base_dir`. `pause` is called between two steps, so
+/// that a caller can leave the processors to others.
 pub fn stability_map(
     scene: &Scene,
     base_dir: &Path,
@@ -329,7 +330,7 @@ pub fn stability_map(
     })
 }
 
-/// The border through what is known of the columns, and between them where it falls off the map.
+/// Traces the border through the results of the columns, and refines it between them where it is steep or falls off the map.
 fn border(tried: &Tried<'_>, columns: &[Survival], [damping, stiffness]: [&[f64]; 2], watch: &dyn Watch) -> Vec<Place> {
     let middle = |[good, bad]: [f64; 2]| (good * bad).sqrt();
     let known =
@@ -354,11 +355,11 @@ fn border(tried: &Tried<'_>, columns: &[Survival], [damping, stiffness]: [&[f64]
     border
 }
 
-/// The body that is tried, by itself.
+/// The body that is tried, alone in a scene.
 struct Subject {
     scene: Scene,
     lattices: Vec<Arc<Lattice>>,
-    /// Steps that there is work for.
+    /// The steps that the allowed work is enough for.
     steps: usize,
     stand_in: Option<u32>,
 }
@@ -377,7 +378,7 @@ impl Subject {
         Self { scene: own, lattices: vec![lattice], steps, stand_in: None }
     }
 
-    /// A small cube of the same cells and material, which has the same bound.
+    /// Replaces the body by a small cube of the same cells and material, which has the same bound.
     fn stand_in(mut self, scene: &Scene) -> Result<Self, BackgroundError> {
         let size = self.lattices[0].grid.cell_size * f64::from(STAND_IN_CELLS);
         let mut cube = scene.clone();

@@ -1,7 +1,7 @@
 //! A simulation's state as bytes, exactly: what the window and `gelatin run --save-state` write and go on from.
 //!
 //! ```text
-//! "gelatin-state 16\n"                                      magic and version; of versions 11 to 15 what they have is read
+//! "gelatin-state 16\n"                                      magic and version; versions 11 to 15 are read as far as they go
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
@@ -9,7 +9,7 @@
 //! position, residual, velocity: 3 × particles × 3 f32
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
-//! bodies: each a count u64 and as many cells u32             watched as they may invert
+//! bodies: each a count u64 and as many cells u32             cells that may invert
 //!         1 if asleep + 2 if largely strained + 4 if stuck + 8 if gone
 //!         + 16 if near itself + 32 if it is a modal body + 64 if taut
 //!         + 128 if what its links add is known, ns slow in a knot,
@@ -17,12 +17,12 @@
 //!         where that is known: what they add to the square of a frequency,
 //!         to a rate of damping                                             two f64
 //!         J that recovery took of its energy, the share of the pull,
-//!         cells by which it may still fold until that is looked for       three f64
+//!         cells that it may still move until folds are looked for         three f64
 //!         substeps it has been still                                       u64
 //!         where still: its particles × 3 f32                 where they were when they came to be still
 //! obstacles on their way: a count u64, and of each
 //!         its body, its place, 1 if it waits               three u64
-//!         way, what is left of it, speed                   five f64
+//!         direction, length left, speed                    five f64
 //! obstacles that sweep: a count u64, and of each
 //!         its place                                        one u64
 //!         middle, turn as a quaternion, time left          eight f64
@@ -67,10 +67,10 @@ use crate::physics::{BodyPoint, Press};
 use crate::physics::{RecoveryAccount, Strain};
 use crate::text::echo;
 
-/// A larger file is no state: more particles than a body may have.
+/// A larger file is no state: it would hold more particles than a body may have.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// What a state says of itself.
+/// The summary of a saved state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateSummary {
     /// The title of the scene that it was saved from.
@@ -79,14 +79,14 @@ pub struct StateSummary {
     pub time_secs: f64,
 }
 
-/// Reads what a state on the disk says of itself; its numbers are not looked at.
+/// Reads the summary of a state on the disk; the other numbers are not checked.
 pub fn summary(path: &Path) -> Result<StateSummary, StateError> {
     let bytes = disk::read(path, MAX_BYTES)?;
     let (origin, mut reader) = opened(&bytes)?;
     Ok(StateSummary { scene: echo(origin.scene()), time_secs: reader.counts()?.time_secs })
 }
 
-/// The scene that bytes belong to, and what follows it but for the checksum, which is right.
+/// Checks the version and the checksum of a state. Returns the scene that it belongs to, and a reader of its numbers.
 fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
     let versions = [MAGIC, ON_CELLS, WITHOUT_LOADS, WITHOUT_FREE_MODES, WITHOUT_MODES, WITHOUT_TOUCHES];
     let known = versions.map(|magic| bytes.strip_prefix(magic.as_bytes()));
@@ -232,7 +232,7 @@ impl Session {
             return Err(StateFileError::OtherScene { scene: echo(origin.scene()), difference });
         }
         let state = reader.state(self.simulation())?;
-        // Numbers that are finite by themselves may be too large to work with.
+        // Numbers that are each finite may together be too large to work with.
         let mut tried = self.simulation().clone();
         tried.set_state(state.clone());
         if !tried.diagnostics().finite {

@@ -24,7 +24,7 @@ struct OriginBody {
 }
 
 impl Origin {
-    /// Of a scene of this title as it is now.
+    /// Describes a scene with this title as it is now.
     pub(super) fn of(title: &str, scene: &Scene, simulation: &Simulation<f32>) -> Self {
         let bodies = scene.bodies.iter().zip(&simulation.model().bodies);
         let body = |(body, model): (&Body, &BodyModel<f32>)| OriginBody {
@@ -39,8 +39,8 @@ impl Origin {
         &self.scene
     }
 
-    /// The first thing in which a state of this scene does not fit into `here`; none where it fits. Names, places and
-    /// materials may differ: a state is carried on under other values too.
+    /// Returns the first reason why a state of this scene does not fit `here`, in words; none where it fits. Names, places
+    /// and materials may differ: a state can go on under other values too.
     pub(super) fn difference(&self, here: &Self) -> Option<String> {
         let (saved, present) = (self.bodies.len(), here.bodies.len());
         if saved != present {

@@ -1,4 +1,4 @@
-//! The numbers of a saved state, each checked as it is read: what a simulation goes on from is what a simulation has had.
+//! Reads the numbers of a saved state and checks each, so that a simulation goes on only from a state that one can have had.
 
 use std::fmt::Display;
 
@@ -22,8 +22,8 @@ use crate::physics::{Simulation, State};
 /// More steps than this are not counted one by one.
 const MOST_STEPS: u64 = 1 << 53;
 
-/// No mode's amplitude or rate is larger, m √kg and m √kg / s, and no free body farther out or faster, m and m/s: such a body
-/// has exploded.
+/// The limit of a mode's amplitude and rate, m √kg and m √kg / s, and of the distance and speed of a free body, m and m/s:
+/// beyond it a body has exploded.
 const MOST_OF_A_MODE: f64 = 1e12;
 
 /// Takes numbers off the front of bytes.
@@ -32,7 +32,7 @@ pub(super) struct Reader<'a> {
     tells: Tells,
 }
 
-/// What a version of the file tells of.
+/// Which things a version of the file holds.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is what a version was the first to tell of")]
 pub(super) struct Tells {
@@ -66,7 +66,7 @@ impl<'a> Reader<'a> {
         Self { rest: bytes, tells }
     }
 
-    /// The numbers that a state begins with; they come first.
+    /// Reads the numbers that a state begins with.
     pub(super) fn counts(&mut self) -> Result<Counts, StateFileError> {
         let [particles, planes] = [self.u64("the counts")?, self.u64("the counts")?];
         let steps = self.u64("the counts")?;
@@ -101,7 +101,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// All of a state of the scene that a simulation is of.
+    /// Reads a whole state of the scene that is simulated.
     pub(super) fn state(mut self, simulation: &Simulation<f32>) -> Result<State<f32>, StateFileError> {
         let counts = self.counts()?;
         let (model, plan, present) = (simulation.model(), simulation.plan(), simulation.state());
@@ -140,7 +140,7 @@ impl<'a> Reader<'a> {
             touches,
             modal,
             steps: counts.steps,
-            // Saved under settings that divide a step further, it is at its last substep here.
+            // A state saved with more substeps in a step is put at the last substep here.
             substep: counts.substep.min(plan.substeps - 1),
             part: counts.part,
             halvings: counts.halvings,
@@ -149,7 +149,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// What is remembered of every body and where the still ones were.
+    /// Reads the memory of every body, and the anchors of the still ones.
     fn body_memories(&mut self, model: &Model<f32>) -> Result<(Vec<BodyMemory>, Vec<Vec3>), StateFileError> {
         let mut anchor = vec![Vec3::ZERO; model.particle_count()];
         let mut memories = Vec::new();
@@ -222,7 +222,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// What the links of a strained body add.
+    /// Reads what the links of a strained body add.
     fn link_load(&mut self, field: &str) -> Result<LinkLoad, StateFileError> {
         let [stiffness, damping] = [self.f64(field)?, self.f64(field)?];
         for rate in [stiffness, damping] {
@@ -231,7 +231,7 @@ impl<'a> Reader<'a> {
         Ok(LinkLoad { stiffness, damping })
     }
 
-    /// How modal bodies move, by body.
+    /// Reads how modal bodies move, by body.
     fn modal(&mut self, model: &Model<f32>) -> Result<Vec<ModalState>, StateFileError> {
         let field = "the modal bodies";
         let mut modal = vec![ModalState::default(); model.bodies.len()];
@@ -257,7 +257,7 @@ impl<'a> Reader<'a> {
         Ok(modal)
     }
 
-    /// How a modal body moves as a whole, where nothing holds it.
+    /// Reads how a modal body moves as a whole, where nothing holds it.
     fn rigid(&mut self) -> Result<Option<RigidState>, StateFileError> {
         let field = "a modal body as a whole";
         let is_free = self.u64(field)?;
@@ -341,7 +341,7 @@ impl<'a> Reader<'a> {
                 [place((self.u64(field)?, model.bodies.len()))?, place((self.u64(field)?, model.bodies.len()))?];
             let depth_m = self.f64(field)?;
             let press = Press { bodies, point, depth_m };
-            // A body that meets itself is both.
+            // A body that meets itself is both bodies.
             let (said, right) = match point {
                 BodyPoint::Particle(particle) => {
                     (format!("one of particle {particle} and bodies {bodies:?}"), "a particle of the first")
@@ -408,7 +408,7 @@ impl<'a> Reader<'a> {
         self.chunk(field).map(f64::from_le_bytes)
     }
 
-    /// So many vectors of finite numbers.
+    /// Reads this many vectors of finite numbers.
     fn vectors(&mut self, count: usize, field: &str, unit: &str) -> Result<Vec<Vec3>, StateFileError> {
         if self.rest.len() / 12 < count {
             return Err(StateFileError::Length { field: format!("{field} of every particle") });
@@ -439,7 +439,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Refuses a number that is not as it must be.
+/// Refuses a number that does not fit.
 fn need(fits: bool, field: &str, value: impl Display, needed: &str) -> Result<(), StateFileError> {
     if fits { Ok(()) } else { Err(wrong(field, value, needed)) }
 }
@@ -457,7 +457,7 @@ fn small(word: u64, field: &str, most: u64) -> Result<u32, StateFileError> {
     u32::try_from(word).map_err(|_too_many| StateFileError::Length { field: field.to_owned() })
 }
 
-/// The number of a body or an obstacle, of which there are so many.
+/// Checks the number of a body or an obstacle against the count of them.
 fn place((word, count): (u64, usize)) -> Result<usize, StateFileError> {
     let found = usize::try_from(word).ok().filter(|&place| place < count);
     found.ok_or_else(|| wrong("the number of a body or an obstacle", word, &format!("a number below {count}")))

@@ -29,7 +29,7 @@ fn session() -> Session {
     Session::new(scene, PathBuf::new(), "cube-on-plane".to_owned()).expect("it resolves")
 }
 
-/// What is said of a state some bytes of which were replaced and that was sealed with a new checksum.
+/// Returns the error for a state in which some bytes are replaced and the checksum is made anew.
 fn refused(place: usize, replaced: &[u8]) -> String {
     let mut bytes = session().state_bytes();
     let text = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(1).expect("two lines").0 + 1;
@@ -37,7 +37,7 @@ fn refused(place: usize, replaced: &[u8]) -> String {
     said(bytes)
 }
 
-/// What is said of bytes that were sealed anew.
+/// Returns the error for bytes with a new checksum.
 fn said(mut bytes: Vec<u8>) -> String {
     bytes.truncate(bytes.len() - 8);
     let checksum = fnv1a(&bytes);
@@ -345,7 +345,7 @@ fn touching_points_are_checked_and_states_of_versions_before_are_read() {
     let mut session = on_its_mesh();
     assert!(session.step(), "it falls");
     let written = session.state_bytes();
-    // What a version did not know of is up to two empty lists at the end.
+    // What a version did not know is up to two empty lists at the end.
     for (version, unknown) in [(13, 0), (12, 8), (11, 16)] {
         let contents =
             written[..written.len() - unknown - 8].strip_prefix(b"gelatin-state 16\n").expect("this version");

@@ -28,7 +28,7 @@ pub struct Status {
     pub refused_saves: u32,
     /// Where its file has its models, or would have them.
     pub models: ModelPlace,
-    /// Whether a person can choose that: some are files, and the scene holds none that have no other place.
+    /// Whether a person can choose that: some models are files, and none are inside the scene.
     pub chooses_models: bool,
     /// Where relative model paths of the scene start.
     pub base_dir: PathBuf,
@@ -44,22 +44,21 @@ pub struct Status {
     pub speed: f64,
     /// Speed reached over the last second; 1 is real time.
     pub real_time_factor: f64,
-    /// Whether simulated time is owed that there was no time for.
+    /// Whether simulated time is owed for which there was no wall time.
     pub behind: bool,
     /// The share of the last second that was spent in steps.
     pub stepping_share: f64,
-    /// The share of the time that steps took lately in which a processor was at work on them: drawing and other
-    /// programs have the rest.
+    /// The share of the recent step time in which a processor worked on the steps: drawing and other programs have the rest.
     pub processor_share: f64,
-    /// Simulated seconds in a second of processor time lately; infinite where nothing moves.
+    /// Simulated seconds per second of processor time lately; infinite where nothing moves.
     pub speed_alone: f64,
     /// Why the speed asked for is not reached, in plain words; empty when it is.
     pub limited_by: String,
     /// The step in use, s: a whole step divided by its substeps.
     pub dt_secs: f64,
-    /// The largest safe step, s; the implicit integrator takes longer ones. A person reads it as [`super::step_words`] has it.
+    /// The largest safe step, s; the implicit integrator takes longer ones. [`super::step_words`] words it for a person.
     pub dt_safe_secs: f64,
-    /// The scheme in use: the one chosen, or the implicit one that has taken over.
+    /// The scheme in use: the one chosen, or another that has taken over.
     pub integrator: Integrator,
     /// What limits the step, in plain words ("shear stiffness", "the step asked for").
     pub dt_limited_by: String,
@@ -73,7 +72,7 @@ pub struct Status {
     pub contacts: usize,
     /// What a person should know, as a sentence; empty when there is nothing.
     pub message: String,
-    /// Whether the message says what went wrong; otherwise it is worth knowing, no more.
+    /// Whether the message says what went wrong; otherwise it is just worth knowing.
     pub failed: bool,
     /// What undo would take back, in words; empty when there is nothing.
     pub undo: String,
@@ -93,7 +92,7 @@ pub struct Status {
     pub marked_box: Option<BoxOfBody>,
     /// The modes that a body waits for, while time stands still for that.
     pub awaited_modes: Option<Arc<WantedModes>>,
-    /// How far the steps miss, as far as it is known.
+    /// The predicted error of the steps, as far as it is known.
     pub step_error: StepError,
 }
 
@@ -118,9 +117,9 @@ pub struct BodyStatus {
     pub gone: bool,
     /// Whether it has come to rest and is left alone until something touches it or a value changes.
     pub asleep: bool,
-    /// How often the modes swing in a second that it moves by, Hz; none where it moves by its cells.
+    /// The frequencies of the modes that it moves by, Hz; none where it moves by its cells.
     pub modes_hz: Option<Arc<[f64]>>,
-    /// How it is built, as far as it matters to how it stands.
+    /// The build of the body, as far as it matters to whether it stands.
     pub stature: Stature,
     /// How far each value of its material may go before the step asked for has to be divided.
     pub safe: Arc<Vec<SafeValue>>,

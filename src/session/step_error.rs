@@ -1,6 +1,5 @@
-//! How far the steps of a running scene miss, predicted from where it is now (step doubling, Richardson 1911): a copy goes
-//! on for a while with the step in use, another one with half of it, and from how far they come apart follows how far the
-//! first one is from the truth.
+//! Predicts the error of the steps of a running scene from its present state (step doubling, Richardson 1911): one copy goes
+//! on for a while with the step in use, another with half of it, and the error of the first follows from their difference.
 //!
 //! ```text
 //!            ┌── steps of h ───● x(h)
@@ -8,8 +7,8 @@
 //!            └── steps of h/2 ─● x(h/2)
 //! ```
 //!
-//! It is done in slices between the steps, in a small share of their time, and not at all where it would be too much
-//! work or nothing moves. What comes out follows from the state that it began from.
+//! This runs in slices between the steps, in a small share of their time, and not at all where it would be too much work or
+//! nothing moves. The result depends only on the state that it began from.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -18,16 +17,17 @@ use super::stoppable::Stoppable;
 use crate::math::{Aabb, Vector};
 use crate::physics::{Plan, Scheme, Simulation, StepReport};
 
-/// How far is looked ahead, simulated s.
+/// How far a prediction looks ahead, simulated s.
 const AHEAD_SECS: f64 = 0.1;
-/// Link forces that are spent on one prediction at most: half a second of work or so.
+/// The most link forces to evaluate for one prediction: about half a second of work.
 const MOST_LINK_FORCES: u64 = 60_000_000;
-/// Wall time between the end of one prediction and the beginning of the next, and where it was too much work.
+/// The pause between the end of one prediction and the beginning of the next, wall time, and the pause after one that was
+/// too much work.
 const BETWEEN: Duration = Duration::from_millis(500);
 const BETWEEN_REFUSALS: Duration = Duration::from_secs(10);
-/// One part in so many of the time of the steps goes into it.
+/// Predictions take one part in this many of the time of the steps.
 pub(super) const SHARE: u32 = 20;
-/// Differences below this share of the bodies' size are rounding.
+/// Differences below this share of the bodies' size are rounding error.
 const ROUNDING: f64 = 2e-5;
 
 /// What is known of the error of the steps.
@@ -36,7 +36,7 @@ pub enum StepError {
     /// Nothing yet, or nothing moves.
     #[default]
     Unknown,
-    /// It would be too much work.
+    /// A prediction would be too much work.
     TooExpensive,
     /// The motion breaks, now or in one of the copies.
     Breaks,
@@ -47,15 +47,15 @@ pub enum StepError {
 /// A prediction of the error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
-    /// How far the particles are from where they should be, root of the mean square, m.
+    /// The distance of the particles from where they should be, root of the mean square, m.
     pub error_m: f64,
-    /// Whether it is no more than rounding: the true error is at most this.
+    /// Whether it is no more than rounding error: the true error is at most this.
     pub is_rounding: bool,
-    /// How far the runs came apart, m.
+    /// The difference between the two runs, m.
     pub difference_m: f64,
-    /// The order of the scheme that was counted on.
+    /// The assumed order of the scheme.
     pub order: u32,
-    /// From when on, and for how long, simulated s.
+    /// The simulated time at which the runs began, s.
     pub from_secs: f64,
     /// The length of the runs, s.
     pub ahead_secs: f64,
@@ -68,22 +68,23 @@ pub struct Prediction {
 pub(super) struct StepErrors {
     running: Option<Comparison>,
     shown: StepError,
-    /// Not before this.
+    /// The earliest time for the next prediction.
     next: Option<Instant>,
 }
 
 impl StepErrors {
-    /// Something has changed: nothing is known any more.
+    /// Forgets all results, as something has changed.
     pub(super) fn forget(&mut self) {
         *self = Self::default();
     }
 
-    /// What is known.
+    /// Returns the last result.
     pub(super) fn shown(&self) -> StepError {
         self.shown
     }
 
-    /// Goes on until then or until `stop` is set, from where a simulation is now if nothing is under way.
+    /// Goes on until this instant or until `stop` is set. Begins from the present state of a simulation if nothing is under
+    /// way.
     pub(super) fn go_on(&mut self, simulation: &Simulation<f32>, until: Instant, stop: &AtomicBool) {
         if self.running.is_none() {
             let is_due = self.next.is_none_or(|next| Instant::now() >= next);
@@ -112,7 +113,7 @@ impl StepErrors {
     }
 }
 
-/// Two copies of a simulation on their way.
+/// Two copies of a simulation that run ahead.
 #[derive(Debug)]
 struct Comparison {
     from_secs: f64,
@@ -124,15 +125,15 @@ struct Comparison {
 }
 
 impl Comparison {
-    /// Of copies of a simulation, the second one with this share of its substeps.
+    /// Copies a simulation twice; the substeps of the second copy have this share of their length.
     fn new(simulation: &Simulation<f32>, share: f64) -> Self {
         let (whole, mut halved) = (Box::new(simulation.clone()), Box::new(simulation.clone()));
-        // As many substeps in a step and as many parts of a substep, each of them shorter.
+        // The numbers of substeps in a step and of parts in a substep stay the same, and each of them is shorter.
         halved.plan_mut().dt_secs *= share;
         Self { from_secs: simulation.state().time_secs, whole, halved, work: 0, touched: false }
     }
 
-    /// Link forces that a comparison takes at least.
+    /// The least link forces that a comparison takes.
     fn least_work(simulation: &Simulation<f32>) -> u64 {
         let links: usize = simulation.model().link_counts().iter().sum();
         let substeps = 3.0 * AHEAD_SECS / simulation.plan().substep_secs();
@@ -141,7 +142,7 @@ impl Comparison {
         work
     }
 
-    /// Takes a substep of one of the copies; one that is given up is taken at the next call. Says what came out when both
+    /// Takes a substep of one of the copies; one that is given up is taken at the next call. Returns the result once both
     /// have arrived.
     fn substep(&mut self, stop: &AtomicBool) -> Option<StepError> {
         let end_secs = self.from_secs + AHEAD_SECS - 1e-9;
@@ -189,7 +190,7 @@ impl Comparison {
     }
 }
 
-/// The order of a scheme where nothing is met.
+/// The order of a scheme without contact.
 fn order(scheme: Scheme) -> u32 {
     match scheme {
         Scheme::SemiImplicit | Scheme::Explicit | Scheme::Implicit => 1,
@@ -198,7 +199,7 @@ fn order(scheme: Scheme) -> u32 {
     }
 }
 
-/// Evaluations of the forces in a substep at least.
+/// The least number of evaluations of the forces in a substep.
 fn evaluations(plan: &Plan) -> f64 {
     match plan.scheme {
         Scheme::Rk2 => 2.0,
@@ -236,7 +237,7 @@ mod tests {
         scene
     }
 
-    /// What is predicted from the start with substeps of this share; none where that is too much work.
+    /// Returns the prediction from the start with substeps of this share; none where that is too much work.
     fn predicted(scene: &Scene, share: f64) -> Option<Prediction> {
         let simulation = Simulation::new(scene, &lattices(scene).expect("cubes"));
         let mut comparison = Comparison::new(&simulation, share);
@@ -250,7 +251,7 @@ mod tests {
         }
     }
 
-    /// What was measured of the first 0.12 s.
+    /// Measures the first 0.12 s.
     fn measured(name: &str) -> Vec<Row> {
         let (scene, seconds) = (scene(name), 3.0 * crate::report::error::LOOK_SECS);
         measure(name, &scene, &lattices(&scene).expect("cubes"), Effort { repeats: 1, ..Effort::full(seconds) }, &())

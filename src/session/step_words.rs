@@ -26,7 +26,7 @@ fn text(secs: f64, round: fn(f64) -> f64) -> String {
     format!("{rounded:.decimals$} {unit}")
 }
 
-/// What rounding has taken from a whole number is given back first.
+/// Rounds down, but not a whole number that rounding error has made smaller.
 fn down(value: f64) -> f64 {
     (value * (1.0 + 1e-12)).floor()
 }

@@ -1,4 +1,4 @@
-//! Stopping a substep that takes long, and telling before time runs that it would take forever.
+//! Stops a substep that takes long, and warns before time runs that it would take forever.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -11,7 +11,7 @@ use crate::physics::Simulation;
 use crate::physics::Stage;
 use crate::physics::StageTimer;
 
-/// Processor time spent at most on finding out whether a scene is too slow to watch.
+/// The most processor time spent on finding out whether a scene is too slow to watch.
 const LONGEST_LOOK: Duration = Duration::from_secs(1);
 
 /// Gives a substep up when it has taken too long or someone waits.
@@ -29,11 +29,11 @@ impl StageTimer for Patience<'_> {
 }
 
 impl Session {
-    /// Lets time stand still, with the reason, where it would run slower than anyone can watch. When someone stops that,
-    /// it is found out before time goes on.
+    /// Stops time, with the reason, where it would run slower than anyone can watch. If someone interrupts the measurement,
+    /// it is repeated before time goes on.
     pub fn hold_if_too_slow(&mut self) {
         if self.awaited_modes().is_some() {
-            // Bodies move by their cells as yet.
+            // Until the modes are found, bodies move by their cells.
             self.may_be_too_slow = true;
             return;
         }
@@ -43,7 +43,7 @@ impl Session {
     }
 }
 
-/// What a person should know before time runs, where it is certain within [`LONGEST_LOOK`]. On a copy.
+/// Returns the warning before time runs, if it is certain within [`LONGEST_LOOK`]. Measures on a copy.
 fn too_slow(simulation: &Simulation<f32>, stop: &AtomicBool) -> Option<String> {
     let mut copy = simulation.clone();
     let start_secs = copy.state().time_secs;
@@ -60,7 +60,7 @@ fn too_slow(simulation: &Simulation<f32>, stop: &AtomicBool) -> Option<String> {
             return None;
         }
         if report.stopped || patience.stops() {
-            // What was given up would have ended with the next substep at the earliest.
+            // The substep that was given up counts as taken, so that the speed is not underestimated.
             let begun_secs = if report.stopped { copy.plan().substep_secs() } else { 0.0 };
             let words = crawl((simulated_secs + begun_secs) / elapsed_secs)?;
             return Some(format!("{words}; time stands still until you press Play"));

@@ -1,4 +1,4 @@
-//! Takes the time of a substep and can give it up.
+//! Times a substep and can give it up.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -6,7 +6,7 @@ use crate::physics::Stage;
 use crate::physics::StageTimer;
 use crate::report::timer::WallTimer;
 
-/// Takes the time of a substep, if someone wants to know it, and gives it up when it is asked to.
+/// Times a substep, if someone wants to know, and gives it up once `stop` is set.
 pub(super) struct Stoppable<'a> {
     pub(super) timer: Option<&'a mut WallTimer>,
     pub(super) stop: &'a AtomicBool,

@@ -1,9 +1,9 @@
-//! What a brush that is down has changed.
+//! The changes of a brush that is down.
 
 use crate::scene::edit::BodyId;
 
-/// What a brush has done since it was put down: it goes on over what was there then, so that holding it still does not
-/// pile cells up, or dig on.
+/// The changes of a brush since it was put down. It works only on cells that were there then, so that holding it still
+/// neither piles cells up nor digs deeper.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Stroke {
     pub(super) body: Option<BodyId>,

@@ -1,4 +1,4 @@
-//! The modes of a body in the picture of the sandbox, while time stands still.
+//! Shows the modes of a body in the picture of the sandbox, while time stands still.
 
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ impl Session {
         Ok(BodyModes { body, modes, described: self.scene.bodies[body.0].clone() })
     }
 
-    /// Shows a body's modes while time stands still, or no longer.
+    /// Shows a body's modes while time stands still, or ends that.
     pub(super) fn show_modes(&mut self, swing: Option<Swing>) -> Result<(), SessionError> {
         if let Some(swing) = &swing {
             let body = self.simulation.model().bodies.get(swing.of.body.0);
@@ -51,7 +51,7 @@ impl Session {
         self.swinging.as_ref().map(|swinging| &swinging.swing)
     }
 
-    /// Lets the mode that is played swing on. Whether modes are shown, so that time stands still.
+    /// Lets the played mode swing on. Returns whether modes are shown, so that time stands still.
     pub(super) fn swing_on(&mut self, wall: Duration) -> bool {
         if self.is_swinging()
             && let Some(swinging) = &mut self.swinging
@@ -62,14 +62,14 @@ impl Session {
         self.swinging.is_some()
     }
 
-    /// No modes are shown of a body that is not the one they are of any more.
+    /// Ends the display of modes that no longer belong to their body.
     pub(super) fn end_old_swing(&mut self) {
         if self.swinging.as_ref().is_some_and(|swinging| !swinging.swing.of.is_of(&self.scene)) {
             self.swinging = None;
         }
     }
 
-    /// Puts the particles of a body whose modes are shown where these have them: about where it starts.
+    /// Moves the particles of the body whose modes are shown to where the modes put them, about its start.
     pub(super) fn place_swing(&self, positions: &mut [[f32; 3]]) {
         let Some(Swinging { swing, secs }) = &self.swinging else { return };
         let body = &self.simulation.model().bodies[swing.of.body.0];

@@ -28,7 +28,7 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// Bodies of the model, each with so many divisions, that fall.
+/// Falling bodies of the model, one for each number of divisions.
 fn scene(divisions: &[u32]) -> Scene {
     let mut scene = presets::drop_model("tent.obj");
     let body = scene.bodies.remove(0);

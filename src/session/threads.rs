@@ -1,4 +1,4 @@
-//! The threads that steps are taken by: chosen once in a process, and there while someone runs a simulation.
+//! The threads that take the steps: their number is chosen once in a process, and they exist while a simulation runs.
 
 use std::num::NonZero;
 use std::thread::available_parallelism;
@@ -11,25 +11,25 @@ use crate::physics::{choose_step_threads, step_threads};
 /// Threads of a window that work beside the steps: its own and that of its driver.
 const BESIDE_STEPS: usize = 2;
 
-/// Lets every simulation of the process from now on take its steps by so many threads, all of the machine's for 0. Says
-/// whether they do: not after another choice or a simulation.
+/// Makes every simulation of the process take its steps with this many threads, 0 for all of the machine's. Returns whether
+/// they do: not after another choice or a simulation.
 pub fn choose_threads(count: usize) -> bool {
     choose_step_threads(if count == 0 { available_parallelism().map_or(1, NonZero::get) } else { count })
 }
 
-/// The same where a window is drawn beside the steps: of all of the machine's, for 0, two are left to it and its driver.
+/// The same for a window drawn beside the steps: for 0, two of the machine's threads are left to the window and its driver.
 pub fn choose_threads_beside_window(count: usize) -> bool {
     let all = available_parallelism().map_or(1, NonZero::get);
     choose_step_threads(if count == 0 { all.saturating_sub(BESIDE_STEPS) } else { count })
 }
 
-/// Processor time that the threads of the pool this is asked in have taken, or this thread where it is of none.
+/// Returns the processor time of all threads of the current pool, or of this thread where it is in none.
 pub fn spent() -> Duration {
     let own = || ThreadTime::now().as_duration();
     if rayon::current_thread_index().is_none() { own() } else { rayon::broadcast(|_| own()).into_iter().sum() }
 }
 
-/// Does some work that takes steps, where the chosen threads are there for them; one thread needs no others.
+/// Does some work that takes steps, in a pool of the chosen threads; one thread needs no pool.
 pub fn within_pool<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     if step_threads() == 1 {
         return work();

@@ -1,6 +1,6 @@
-//! Cures are tried before they are offered, each on a copy for a simulated second: what explodes again, or gains energy
-//! from nowhere, is not offered. Nobody waits for it: it is done in slices between steps, and what comes out follows from
-//! the scene alone, as work is counted in link forces and not in time.
+//! Cures are tried before they are offered, each on a copy for a simulated second: one that explodes again, or gains energy
+//! from nowhere, is not offered. The trials run in slices between steps, so that nobody waits for them. Their results depend
+//! on the scene alone, as work is counted in link forces and not in time.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -15,10 +15,10 @@ use crate::physics::Simulation;
 use crate::report::judge::{Patience, Watch};
 use crate::scene::Scene;
 
-/// How long a cure is tried, and the link forces after which that is cut short: some seconds of work.
+/// The simulated time of a trial, and the link forces after which it is cut short: some seconds of work.
 const PATIENCE: Patience = Patience { seconds: 1.0, most_link_forces: 300_000_000 };
 
-/// A trial that was cut short counts if nothing was wrong for so long, s: explosions take less.
+/// A trial that was cut short counts if nothing was wrong for this long, s: explosions take less.
 const LEAST_SECS: f64 = 0.1;
 
 /// Cures that are tried one after another.
@@ -26,7 +26,7 @@ const LEAST_SECS: f64 = 0.1;
 pub(super) struct Trials {
     scene: Scene,
     lattices: Vec<Arc<Lattice>>,
-    /// What a cure that needs no new start goes on from.
+    /// The state from which a cure without a restart goes on.
     from: Box<Simulation<f32>>,
     waiting: VecDeque<Cure>,
     running: Option<Trial>,
@@ -41,17 +41,17 @@ struct Trial {
     test: Test,
 }
 
-/// What a cure has to do.
+/// What a cure has to achieve.
 #[derive(Debug)]
 enum Test {
-    /// A scene that starts anew must stand, with no energy from nowhere.
+    /// A scene that starts anew must stay sound, with no energy from nowhere.
     Stand(Box<Watch>),
-    /// A body that goes on must be healed; what turns its cells back gives them energy that they did not have before.
+    /// A body that goes on must be healed. Its energy is not checked, as turning its cells back adds some.
     Heal { link_forces: u64, diverged: bool },
 }
 
 impl Trials {
-    /// Of cures of a scene that moves as `from` does now.
+    /// Prepares trials of cures for a scene that moves as `from` does now.
     pub(super) fn new(scene: &Scene, lattices: Vec<Arc<Lattice>>, from: &Simulation<f32>, cures: Vec<Cure>) -> Self {
         Self {
             scene: scene.clone(),
@@ -63,7 +63,7 @@ impl Trials {
         }
     }
 
-    /// Those that hold, of the ones tried so far.
+    /// The cures that hold, of those tried so far.
     pub(super) fn holds(&self) -> &[Cure] {
         &self.holds
     }
@@ -73,12 +73,12 @@ impl Trials {
         self.waiting.is_empty() && self.running.is_none()
     }
 
-    /// The time in the motion that they go on from, s.
+    /// The simulated time of the state that they go on from, s.
     pub(super) fn began_at_secs(&self) -> f64 {
         self.from.state().time_secs
     }
 
-    /// Goes on until then, until all have been tried, or until `stop` is set.
+    /// Goes on until this instant, until all have been tried, or until `stop` is set.
     pub(super) fn go_on(&mut self, until: Option<Instant>, stop: &AtomicBool) {
         let goes_on = || until.is_none_or(|until| Instant::now() < until) && !stop.load(Ordering::Relaxed);
         while !self.are_over() && goes_on() {
@@ -93,14 +93,14 @@ impl Trials {
         }
     }
 
-    /// Tries the next substep of the cure under trial and gives it up. Says whether there was one.
+    /// Tries the next substep of the cure under trial and gives it up. Returns whether there was one.
     #[cfg(test)]
     pub(super) fn given_up(&mut self, stop: &AtomicBool) -> bool {
         let begin_secs = self.began_at_secs();
         self.running.as_mut().is_some_and(|trial| trial.substep(begin_secs, stop))
     }
 
-    /// None where the change is not allowed.
+    /// Begins a trial; none where the change is not allowed.
     fn begin(&self, cure: Cure) -> Option<Trial> {
         let mut scene = self.scene.clone();
         let _applied = scene.apply(cure.edit.clone()).ok()?;
@@ -136,8 +136,8 @@ impl Trials {
 }
 
 impl Trial {
-    /// Takes a substep of a motion that began at `begin_secs`, if it goes on; one that is given up is taken at the next
-    /// call. Says whether there is more to see.
+    /// Takes a substep of a trial; one that is given up is taken at the next call. A motion without a restart began at
+    /// `begin_secs`. Returns whether the trial goes on.
     fn substep(&mut self, begin_secs: f64, stop: &AtomicBool) -> bool {
         let mut timer = Stoppable { timer: None, stop };
         match &mut self.test {

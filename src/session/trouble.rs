@@ -11,9 +11,9 @@ pub struct Trouble {
     pub title: String,
     /// What happened and why, a few sentences.
     pub words: String,
-    /// Whether time was stopped for it, and begins anew with the scene when it is to run.
+    /// Whether it has stopped time; the scene then starts anew when time is to run.
     pub stopped: bool,
-    /// What helps, best first, as far as it is known: each was tried.
+    /// The cures found so far, best first; each was tried.
     pub cures: Vec<Cure>,
     /// Whether more is being tried.
     pub looking: bool,
@@ -22,7 +22,7 @@ pub struct Trouble {
 }
 
 impl Trouble {
-    /// What a new start takes, whether or not it helps.
+    /// The commands of a new start, whether or not it helps.
     pub fn start_again() -> [Command; 2] {
         [Command::Restart, Command::Play]
     }

@@ -1,4 +1,5 @@
-//! Modes that a body is to move by: what is looked for, beside the sandbox or in it, where it is kept, and what became of it.
+//! The modes that a body is to move by: the search for them, beside the sandbox or in it, where they are kept, and the
+//! outcome.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,30 +23,30 @@ pub struct WantedModes {
     pub body: BodyId,
     /// Its name.
     pub name: String,
-    /// What they are of.
+    /// The body that they are of.
     described: Body,
 }
 
-/// What became of looking for a body's modes.
+/// The outcome of the search for a body's modes.
 #[derive(Clone, Debug)]
 pub struct FoundModes {
     pub(super) described: Body,
     pub(super) outcome: Outcome,
 }
 
-/// What it can be.
+/// The possible outcomes.
 #[derive(Clone, Debug)]
 pub(super) enum Outcome {
-    /// It moves by these.
+    /// The body moves by these modes.
     Found(Arc<ModalModel>),
-    /// It cannot move by them; why, as half a sentence.
+    /// The body cannot move by modes; why, as half a sentence.
     Refused(String),
-    /// A person stopped it.
+    /// A person stopped the search.
     Stopped,
 }
 
 impl WantedModes {
-    /// Of a body of a scene, if it is to move by modes.
+    /// The modes wanted for a body of a scene, if it is to move by modes.
     pub(super) fn of(scene: &Scene, body: usize) -> Option<Self> {
         let described = &scene.bodies[body];
         is_wanted(described).then(|| Self {
@@ -55,22 +56,22 @@ impl WantedModes {
         })
     }
 
-    /// Nobody wants to wait for them.
+    /// The outcome if nobody wants to wait for them.
     pub fn stopped(&self) -> FoundModes {
         FoundModes { described: self.described.clone(), outcome: Outcome::Stopped }
     }
 
-    /// They cannot be found; why, as half a sentence.
+    /// The outcome if they cannot be found; why, as half a sentence.
     pub fn refused(&self, why: String) -> FoundModes {
         FoundModes { described: self.described.clone(), outcome: Outcome::Refused(why) }
     }
 
-    /// Whether another body waits for the same.
+    /// Whether another body waits for the same modes.
     pub fn is_alike(&self, other: &Self) -> bool {
         is_of(&self.described, &other.described)
     }
 
-    /// Finds them in a compiled body, or in a folder where they were kept, and keeps them there.
+    /// Reads them from a folder where they are kept, or finds them in a compiled body and keeps them there.
     pub(super) fn find_in(
         &self,
         simulation: &Simulation<f32>,
@@ -101,8 +102,8 @@ impl WantedModes {
     }
 }
 
-/// Where modes are kept that were found once: beside the scene's file, in a folder of its name; what has no file has its
-/// modes in the folder of what can be found anew, where there is one.
+/// Returns the folder in which found modes are kept: beside the scene's file, with the name of the file. For a scene without
+/// a file it is in `spare`, the folder of data that can be found anew, if there is one.
 pub fn folder(file: Option<&Path>, spare: Option<PathBuf>) -> Option<PathBuf> {
     let beside = file.map(|file| file.with_extension(ENDING));
     beside.or_else(|| spare.map(|spare| spare.join(ENDING)))
@@ -133,12 +134,12 @@ pub(super) fn is_wanted(body: &Body) -> bool {
     body.moves_by == MovesBy::Modes
 }
 
-/// How many motions without frequency a body may have: what nothing holds moves and turns as one.
+/// The number of rigid motions that a body must have: 6 where nothing holds it, otherwise none.
 fn rigid_motions(body: &BodyModel<f32>) -> usize {
     if body.is_held() { 0 } else { 6 }
 }
 
-/// Why one that has another number of them cannot move by modes, as half a sentence.
+/// Explains why a body with another number of rigid motions cannot move by modes, as half a sentence.
 fn refusal(body: &BodyModel<f32>) -> &'static str {
     if body.is_held() {
         "a part of it can still turn or move freely, which modes cannot follow; hold it at three places or more that are not \
@@ -148,7 +149,7 @@ fn refusal(body: &BodyModel<f32>) -> &'static str {
     }
 }
 
-/// Whether one body has the modes of another, and as many of them are wanted.
+/// Whether two bodies have the same modes, and want as many of them.
 pub(super) fn is_of(body: &Body, described: &Body) -> bool {
     body.mode_count == described.mode_count && is_alike(body, described)
 }

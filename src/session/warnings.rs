@@ -12,12 +12,12 @@ use crate::scene::{self, Body, ContactOn, Scene, named};
 use crate::view::legend::three_digits;
 
 impl Session {
-    /// What a person should know about the models of its bodies, a sentence each.
+    /// Returns the warnings about the models of its bodies, a sentence each.
     pub fn model_warnings(&self) -> Vec<String> {
         self.bodies.warnings(self.scene())
     }
 
-    /// What a person should know about the scene, a sentence each.
+    /// Returns all warnings about the scene, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let (model, state) = (self.simulation().model(), self.simulation().state());
         let mut warnings = scene::warnings(self.scene());
@@ -35,7 +35,7 @@ impl Session {
     }
 }
 
-/// A scheme that no division of a step makes stable is not divided.
+/// Warns of a scheme that no division of a step makes stable: its steps are not divided.
 fn never_stable(settings: &Settings) -> Option<String> {
     let Settings { integrator, stepping, dt, .. } = settings;
     (*stepping == Stepping::Auto && !integrator.has_stable_step()).then(|| {
@@ -48,7 +48,7 @@ fn never_stable(settings: &Settings) -> Option<String> {
     })
 }
 
-/// The implicit integrator quiets vibrations: who did not choose it should know.
+/// Warns of another scheme in place of the chosen one: the implicit integrator quiets vibrations.
 fn taken_over(settings: &Settings, plan: &Plan) -> Option<String> {
     let taken = Integrator::from(plan.scheme);
     if settings.integrator == Integrator::Stabilised && taken == Integrator::SemiImplicit {
@@ -73,7 +73,7 @@ fn taken_over(settings: &Settings, plan: &Plan) -> Option<String> {
     })
 }
 
-/// An obstacle that fits between two particles passes through a body unnoticed.
+/// Warns of obstacles smaller than a cell, which pass through a body unnoticed between its particles.
 fn small_obstacles<R: Real>(scene: &Scene, model: &Model<R>) -> Vec<String> {
     let largest_cell = model.bodies.iter().map(|body| body.lattice.grid.cell_size).fold(0.0, f64::max);
     let sizes = scene.obstacles.iter().map(|obstacle| obstacle.shape.width()).enumerate();
@@ -90,7 +90,8 @@ fn small_obstacles<R: Real>(scene: &Scene, model: &Model<R>) -> Vec<String> {
         .collect()
 }
 
-/// Bodies whose cells positions do not resolve so far from the origin: links push by what rounding makes of their lengths.
+/// Warns of bodies so far from the origin that positions do not resolve their cells: rounding error in the lengths of the
+/// links then pushes.
 fn unresolved<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<String> {
     // Of a cell; a strain of a hundredth of that is seen.
     const COARSE: f64 = 0.01;
@@ -114,7 +115,7 @@ fn unresolved<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec
         .collect()
 }
 
-/// Bodies that are to meet each other but cannot with the scheme that was chosen.
+/// Warns of bodies that are to meet each other but cannot with the scheme in use.
 fn no_body_contact<R: Real>(settings: &Settings, plan: &Plan, model: &Model<R>) -> Option<String> {
     let are_to_meet = model.bodies.iter().filter(|body| body.meets_others()).count() > 1;
     (are_to_meet && plan.between_bodies.is_none()).then(|| {
@@ -133,7 +134,7 @@ fn no_body_contact<R: Real>(settings: &Settings, plan: &Plan, model: &Model<R>) 
     })
 }
 
-/// Bodies that are to meet obstacles with their mesh but do so with their cells.
+/// Warns of bodies that are to meet obstacles with their mesh but do so with their cells.
 fn not_on_mesh<R: Real>(scene: &Scene, plan: &Plan, model: &Model<R>) -> Vec<String> {
     let asked = scene.bodies.iter().enumerate().filter(|(_, body)| body.contact_on == ContactOn::Mesh);
     let words = |(index, body): (usize, &Body)| {
@@ -164,11 +165,11 @@ fn not_on_mesh<R: Real>(scene: &Scene, plan: &Plan, model: &Model<R>) -> Vec<Str
     asked.filter_map(words).collect()
 }
 
-/// Pairs of bodies that are in each other's way and do not collide as one of them was told not to: each by itself where
-/// there are few, their number otherwise.
+/// Warns of pairs of bodies that overlap but do not collide, as contact is switched off for one of them: of each pair where
+/// there are few, of their number otherwise.
 fn overlaps<R: Real>(scene: &Scene, model: &Model<R>, state: &State<R>) -> Vec<String> {
     const NAMED: usize = 3;
-    // One that is gone is in nobody's way.
+    // A body that is gone overlaps no other.
     let there = |(body, memory): (_, &BodyMemory)| if memory.gone { Aabb::empty() } else { bounds(body, state) };
     let boxes: Vec<Aabb<f64>> = model.bodies.iter().zip(&state.bodies).map(there).collect();
     let pairs = (1..boxes.len()).flat_map(|second| (0..second).map(move |first| [first, second]));

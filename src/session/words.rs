@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::scene::edit::Edit;
 use crate::scene::{Scene, named};
 
-/// Names on a path that say nothing beside the name after them.
+/// Names on a path that add nothing to the name after them.
 const SILENT: [&str; 10] =
     ["material", "springs", "solid", "shape", "cube", "model", "pose", "plane", "sphere", "settings"];
 
@@ -54,7 +54,7 @@ fn of(what: &str, name: &str) -> String {
     if what.is_empty() { String::new() } else { format!("{what} of {name}") }
 }
 
-/// The values in which two nodes differ: the name of the one, or of what they have in common.
+/// Words the difference of two nodes: the value that differs, or what several such values have in common.
 fn difference(old: &impl Serialize, new: &impl Serialize) -> String {
     let (Ok(old), Ok(new)) = (serde_json::to_value(old), serde_json::to_value(new)) else { return String::new() };
     let mut paths = Vec::new();
@@ -68,7 +68,7 @@ fn difference(old: &impl Serialize, new: &impl Serialize) -> String {
     if said.is_empty() { "several values".to_owned() } else { said }
 }
 
-/// The names on a path that say something, in words.
+/// Joins the names on a path that say something, in words.
 fn spoken(path: &[String]) -> String {
     let mut names = path.iter().filter(|name| name.parse::<usize>().is_err());
     let mut said: Vec<String> =

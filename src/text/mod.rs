@@ -1,6 +1,6 @@
-//! Texts of strangers, fit for a message: what files, arguments and other programs say reaches a terminal short and
-//! without control characters, which could move its cursor, change its title or hide what was said. And how far a word
-//! is from the one that may have been meant, and how many of something there are.
+//! Makes texts of strangers fit for a message: text from files, arguments and other programs reaches a terminal short and
+//! without control characters, which could move its cursor, change its title or hide what was said. Also finds how far a
+//! word is from the one that may have been meant, and puts numbers of things into words.
 
 use std::fmt::Display;
 use std::path::Path;
@@ -13,7 +13,7 @@ pub fn echo(text: &str) -> String {
     echo_up_to(text, LONGEST)
 }
 
-/// The same, cut after some characters.
+/// Does the same, but cuts after `longest` characters.
 pub fn echo_up_to(text: &str, longest: usize) -> String {
     let mut letters = text.chars();
     let mut shown: String = letters.by_ref().take(longest).map(printable).collect();
@@ -37,7 +37,7 @@ pub fn printable_lines(text: &str) -> String {
 }
 
 fn printable(letter: char) -> char {
-    // Beside the control characters those that turn the direction of writing or are not seen at all.
+    // Besides control characters, those that change the direction of writing or are invisible.
     let steers =
         matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
     if letter.is_control() || steers { char::REPLACEMENT_CHARACTER } else { letter }
@@ -49,7 +49,7 @@ pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, ma
     format!("{count} {word}")
 }
 
-/// The number of letters to insert, remove or exchange (Levenshtein).
+/// Returns the number of letters to insert, remove or exchange between two words (Levenshtein).
 pub fn distance(from: &str, to: &str) -> usize {
     let to: Vec<char> = to.chars().collect();
     let mut row: Vec<usize> = (0..=to.len()).collect();

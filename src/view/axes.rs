@@ -1,4 +1,4 @@
-//! A small cross of the axes in the lower right corner of a picture, with their letters.
+//! Draws a small cross of the axes, with their letters, in the lower right corner of a picture.
 
 use std::sync::Arc;
 
@@ -12,9 +12,9 @@ use super::style::{OverlayColors, Tint};
 const MIDDLE: Vec2 = Vec2::new(-52.0, 52.0);
 /// The length of an axis in the plane of the picture, pixels.
 const LENGTH: f32 = 28.0;
-/// From the middle to the middle of a letter.
+/// From the middle of the cross to the middle of a letter, pixels.
 const LETTER: f32 = 38.0;
-/// How much of the colour of an axis is left that leads straight away from the eye.
+/// The opacity of an axis that points straight away from the eye.
 const FARTHEST: f32 = 0.45;
 
 /// The strokes of the letters x, y, z, within ±1.
@@ -26,11 +26,11 @@ const STROKES: [&[[[f32; 2]; 2]]; 3] = [
 /// Half the height of a letter, pixels.
 const HALF_LETTER: f32 = 4.0;
 
-/// The cross as this camera sees it.
+/// Returns the cross as this camera sees it.
 pub fn axes(camera: &Camera, colors: &OverlayColors) -> Lines {
     let (right, up, forward) = (camera.right(), camera.upward(), camera.forward());
     let mut axes: Vec<(usize, Vec3)> = Vec3::AXES.into_iter().enumerate().collect();
-    // The farthest first, so that the nearest covers it.
+    // The farthest axis first, so that the nearest one covers it.
     axes.sort_by(|(_, a), (_, b)| b.dot(forward).total_cmp(&a.dot(forward)));
     let mut segments = Vec::new();
     for (index, axis) in axes {

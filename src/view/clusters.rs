@@ -1,14 +1,14 @@
-//! Which triangles of a skin a line of sight may meet, found without a look at each of them.
+//! Finds the triangles of a skin that a line of sight may meet, without a look at each of them.
 //!
-//! A cluster is the triangles whose first corner hangs on the same particles: those in one cell of the body. Its place is
-//! bounded by its particles alone, however the body is deformed: with weights that sum to 1,
+//! A cluster holds the triangles whose first corner has the same first particle: those of one cell of the body. Its
+//! particles bound its triangles however the body is deformed. For a corner p with weights w that sum to 1,
 //!
 //! ```text
 //! p − m = Σ w (x − m)    so    |p − m| ≤ (Σ |w|) · h
 //! ```
 //!
-//! for the middle m and the half size h of the box around the particles x. Nothing has to be kept up to date while the
-//! body moves, and a pick costs a few comparisons for every particle of the surface and a few dozen triangles.
+//! where m is the middle and h the half size of the box around the particles x. Nothing has to be kept up to date while the
+//! body moves. A pick costs a few comparisons for every particle of the surface, and tests a few dozen triangles.
 
 use std::ops::Range;
 
@@ -17,27 +17,27 @@ use glam::Vec3;
 use super::{Ray, SkinVertex};
 use crate::math::Aabb;
 
-/// The triangles of a skin by the particles that carry them.
+/// The triangles of a skin, grouped by the particles that carry them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Clusters {
     all: Vec<Cluster>,
-    /// Places of triangles in the skin, cluster by cluster.
+    /// Indices of triangles in the skin, cluster by cluster.
     triangles: Vec<u32>,
     /// The particles that carry the clusters, cluster by cluster.
     particles: Vec<u32>,
 }
 
-/// Triangles that lie within a box around a few particles, grown.
+/// Triangles that lie within the box around a few particles, enlarged by a factor.
 #[derive(Clone, Debug, PartialEq)]
 struct Cluster {
     triangles: Range<usize>,
     particles: Range<usize>,
-    /// The largest sum of the sizes of a corner's weights: 1 inside the cell, more where a corner lies outside.
+    /// The factor: the largest sum of |weights| of a corner. It is 1 for corners inside the cell, more for corners outside.
     reach: f32,
 }
 
 impl Clusters {
-    /// Of the triangles of a skin.
+    /// Groups the triangles of a skin.
     pub(super) fn new(vertices: &[SkinVertex], triangles: &[[u32; 3]]) -> Self {
         let carrier = |triangle: u32| vertices[triangles[triangle as usize][0] as usize].particles[0];
         let mut order: Vec<u32> = (0..).take(triangles.len()).collect();
@@ -66,7 +66,7 @@ impl Clusters {
         made
     }
 
-    /// Triangles that a line of sight may meet; all others it misses.
+    /// Returns the triangles that a line of sight may meet; it misses all others.
     ///
     /// # Panics
     /// When the skin names a particle that is not there.
@@ -75,7 +75,7 @@ impl Clusters {
         let meets = move |cluster: &&Cluster| {
             let around = Aabb::<f32>::around(self.particles[cluster.particles.clone()].iter().map(place));
             let (middle, half) = (around.center(), around.size() * (0.5 * cluster.reach));
-            // Rounding must not lose a surface that is as flat as its box.
+            // The margin keeps rounding errors from losing a surface that is as flat as its box.
             let margin = Vec3::splat(1e-5 * (middle.abs() + half).max_element());
             ray.meets_box(&Aabb { min: middle - half - margin, max: middle + half + margin })
         };

@@ -13,7 +13,7 @@ pub enum Colormap {
     Cividis,
 }
 
-/// sRGB colours of several curves in one plot, which people who see few colours tell apart (Okabe, Ito), and a grey.
+/// sRGB colours for several curves in one plot, distinct for colour-blind people too (Okabe, Ito), and a grey.
 pub const SERIES: [[u8; 3]; 7] =
     [[0, 114, 178], [204, 121, 167], [0, 158, 115], [230, 159, 0], [213, 94, 0], [86, 180, 233], [90, 90, 90]];
 
@@ -24,7 +24,7 @@ impl Colormap {
     /// All of them, in the order of lists.
     pub const ALL: [Self; 3] = [Self::Viridis, Self::Inferno, Self::Cividis];
 
-    /// The word on screen and on the command line.
+    /// The name on screen and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Viridis => "viridis",
@@ -33,7 +33,8 @@ impl Colormap {
         }
     }
 
-    /// The sRGB colour of a place in the map, 0 lowest and 1 highest; clipped to that range, NaN counts as lowest.
+    /// The sRGB colour at a place in the map, from 0 (lowest) to 1 (highest). Places outside are clipped, NaN counts as
+    /// lowest.
     pub fn srgb(self, place: f32) -> [u8; 3] {
         let gradient = match self {
             Self::Viridis => colorous::VIRIDIS,

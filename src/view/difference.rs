@@ -1,4 +1,4 @@
-//! How two pictures differ to the eye: what moves by less than a pixel's hundredth is not drawn again.
+//! How two pictures differ to the eye: a motion below a hundredth of a pixel is not worth drawing again.
 
 use std::sync::Arc;
 
@@ -6,9 +6,9 @@ use glam::Vec3;
 
 use super::DrawList;
 
-/// A particle that moves by less than this many pixels has not moved.
+/// A particle that moves by less than this many pixels counts as at rest.
 const UNSEEN_PIXELS: f32 = 0.01;
-/// A scalar that changes by less than this share of the range keeps its colour.
+/// A scalar that changes by less than this fraction of the range keeps its colour.
 const UNSEEN_SHARE: f32 = 0.5 / 255.0;
 
 /// How a picture differs from another.
@@ -16,14 +16,14 @@ const UNSEEN_SHARE: f32 = 0.5 / 255.0;
 pub enum Change {
     /// It looks the same.
     Nothing,
-    /// Something has another shade.
+    /// Scalars or colours have changed visibly.
     Shade,
     /// Particles have moved.
     Motion {
-        /// By as many pixels, the furthest of them: not a number where one of them is none.
+        /// The largest way of a particle on the screen, pixels. NaN where the way of a particle is NaN.
         pixels: f32,
     },
-    /// Other things are seen, or from elsewhere.
+    /// The things to be seen, or the camera, are others.
     Things,
 }
 
@@ -59,12 +59,12 @@ impl DrawList {
             && self.painted == other.painted
     }
 
-    /// The furthest way of a particle, pixels.
+    /// The longest way of a particle on the screen, pixels; NaN if any is NaN.
     fn motion_since(&self, other: &Self, height: f32) -> f32 {
         if Arc::ptr_eq(&self.particles, &other.particles) {
             return 0.0;
         }
-        // A way of one metre, seen from one metre away, in pixels.
+        // The pixels that one metre covers, seen from one metre away.
         let focal = 0.5 * height / (0.5 * self.camera.fov_rad).tan();
         let mut furthest = 0.0_f32;
         for (&now, &before) in self.particles.iter().zip(other.particles.iter()) {

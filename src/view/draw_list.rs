@@ -17,13 +17,13 @@ pub struct DrawList {
     pub light: Light,
     /// The colours of everything else.
     pub style: Style,
-    /// One per visible body.
+    /// The surface of every visible body.
     pub skins: Vec<SkinInstance>,
     /// Positions of the particles of all bodies, m; skins refer to them by index.
     pub particles: Arc<Vec<[f32; 3]>>,
-    /// The particles of bodies that are hidden or gone, ascending: nothing of them is drawn, and no bounds hold them.
+    /// The particles of bodies that are hidden or gone, ascending. They are not drawn and no bounds hold them.
     pub absent: Vec<Range<usize>>,
-    /// Whether skins show the colours of their own that they have, as far as no scalars are shown.
+    /// Whether skins show their own colours, if they have any, while no scalars are shown.
     pub painted: bool,
     /// One value per particle, shown through the colour map; `None` shows every body in its own colour.
     pub scalars: Option<Arc<Vec<f32>>>,
@@ -33,15 +33,15 @@ pub struct DrawList {
     pub colormap: Colormap,
     /// Obstacles.
     pub solids: Vec<Solid>,
-    /// What explains the picture: lines, points and the like.
+    /// Lines, points and cells that explain the picture.
     pub overlay: Overlay,
-    /// What a person works with, over all that: handles, a pull, the cross of axes.
+    /// The tools of a person, drawn over everything else: handles, a pull, the cross of axes.
     pub tools: Overlay,
-    /// What has an outline, in the style's accent.
+    /// The body or obstacle with an outline in the style's accent colour.
     pub selected: Option<Selected>,
 }
 
-/// Something in a draw list, by its place there.
+/// A body or obstacle of a draw list, by its index there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Selected {
     /// One of the skins.

@@ -1,19 +1,19 @@
-//! How far a picture reaches: the boxes that framing, shadows and the camera go by.
+//! How far a picture reaches: the bounding boxes for framing, shadows and the camera.
 
 use glam::Vec3;
 
 use super::{DrawList, Solid};
 use crate::math::Aabb;
 
-/// A floor wider than this many times all the rest is seen only as far as it lies near the rest.
+/// A floor wider than this many times everything else counts only as far as it lies near the rest.
 const WIDE_FLOOR: f32 = 1.5;
-/// The same of a slope or a wall, which is a thing to look at by itself.
+/// The same for a slope or a wall, which is worth looking at on its own.
 const WIDE_SLOPE: f32 = 3.0;
-/// How far beside the rest such a plane is still near, and how far above or below, in sizes of the rest.
+/// How far from the rest the near part of a wide plane reaches, in sizes of the rest: sideways, and above or below.
 const NEAR: [f32; 2] = [0.05, 1.0];
 
 impl DrawList {
-    /// The smallest box around all finite particles, m, but those of bodies that are absent; empty when there is none.
+    /// The smallest box around all finite particles of bodies that are not absent, m; empty if there are none.
     pub fn body_bounds(&self) -> Aabb<f32> {
         let mut bounds = Aabb::empty();
         let mut begin = 0;
@@ -27,8 +27,8 @@ impl DrawList {
         bounds
     }
 
-    /// The box around all there is to see, m: bodies and obstacles. Of a plane much wider than the rest only the part
-    /// near the rest counts; all of it where there is nothing else.
+    /// The box around all bodies and obstacles, m. A plane much wider than the rest counts only with its part near the rest,
+    /// but whole if there is nothing else.
     pub fn bounds(&self) -> Aabb<f32> {
         let small = |core: Aabb<f32>| {
             move |solid: &&Solid| {
@@ -51,8 +51,8 @@ impl DrawList {
         parts.filter(|part: &Aabb<f32>| part.min.cmple(part.max).all()).fold(core, Aabb::joined)
     }
 
-    /// The height of the floor, m: the lowest level plane on which all bodies have room; none where there is no such
-    /// plane to be seen.
+    /// The height of the floor, m: the lowest level plane that is large enough for all bodies; `None` if no such plane is
+    /// visible.
     pub fn floor(&self) -> Option<f32> {
         let bodies = self.body_bounds().size();
         let needed = if bodies.is_finite() { bodies.x.max(bodies.z) } else { 0.0 };

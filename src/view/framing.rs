@@ -1,5 +1,4 @@
-//! Where the eye has to be so that something is seen whole: in the part of the picture that nothing covers, and above
-//! the floor.
+//! Places the eye so that something is seen whole, in the part of the picture that nothing covers and from above the floor.
 
 use glam::{Vec2, Vec3};
 
@@ -8,22 +7,22 @@ use crate::math::Aabb;
 
 /// Air left around what is framed, as a factor on its size.
 const MARGIN: f32 = 1.12;
-/// How near to the floor the eye may come, as a share of its distance to the target.
+/// How near to the floor the eye may come, as a fraction of its distance to the target.
 const ABOVE_FLOOR: f32 = 0.02;
 
 /// The part of a picture that nothing covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SafeArea {
-    /// Its left and lower end, in half pictures from the middle: −1 is the picture's own edge.
+    /// Its left and lower edges, in half pictures from the middle: −1 is the picture's own edge.
     pub min: Vec2,
-    /// Its right and upper end; 1 is the picture's own edge.
+    /// Its right and upper edges; 1 is the picture's own edge.
     pub max: Vec2,
     /// Width over height of the whole picture.
     pub aspect: f32,
 }
 
 impl SafeArea {
-    /// All of a picture.
+    /// The whole of a picture.
     pub fn whole(aspect: f32) -> Self {
         Self { min: Vec2::NEG_ONE, max: Vec2::ONE, aspect }
     }
@@ -40,14 +39,14 @@ impl SafeArea {
         [self.min * scale, self.max * scale]
     }
 
-    /// The same with some air at its edges.
+    /// The same area with a margin at its edges.
     fn with_air(&self) -> Self {
         let half = (self.max - self.min) * (0.5 / MARGIN);
         Self { min: self.center() - half, max: self.center() + half, ..*self }
     }
 }
 
-/// The corners of a box as the camera sees them: to the right, up and ahead of a point, m.
+/// The corners of a box as the camera sees them: their offsets to the right, up and ahead of a point, m.
 fn corners(orbit: &Orbit, bounds: Aabb<f32>, from: Vec3) -> [Vec3; 8] {
     let camera = orbit.camera();
     let (right, up, forward) = (camera.right(), camera.upward(), camera.forward());
@@ -63,10 +62,11 @@ fn is_box(bounds: Aabb<f32>) -> bool {
 }
 
 impl Orbit {
-    /// Moves to where the box fills the area. The angles stay. An empty or infinite box changes nothing.
+    /// Moves the eye so that the box fills the area. The angles stay. An empty or infinite box changes nothing.
     ///
-    /// A corner (x, y ahead z) is inside where `l (z − e) ≤ x − eₓ ≤ r (z − e)` for an eye at (eₓ, e) and the slopes l and r
-    /// of the area's edges: the eye nearest to the box that meets this for all corners is found edge by edge.
+    /// A corner x to the right and z ahead is inside if `l (z − e) ≤ x − eₓ ≤ r (z − e)`, for an eye at (eₓ, e) and the
+    /// slopes l and r of the area's left and right edges; the same holds upward. The nearest eye with all corners inside is
+    /// found axis by axis.
     pub fn frame(&mut self, bounds: Aabb<f32>, area: SafeArea) {
         if !is_box(bounds) {
             return;
@@ -92,16 +92,16 @@ impl Orbit {
         *self = self.clamped();
     }
 
-    /// As [`Orbit::frame`], with the eye above a floor, if there is one.
+    /// Frames the box as [`Orbit::frame`] does, with the eye above the floor, if there is one.
     pub fn frame_above(&mut self, floor: Option<f32>, bounds: Aabb<f32>, area: SafeArea) {
         self.frame(bounds, area);
         if floor.is_some_and(|floor| self.rise_above(floor)) {
-            // Seen from another side, other corners stand out.
+            // From the new direction, other corners of the box stand out.
             self.frame(bounds, area);
         }
     }
 
-    /// Whether all of a box is in the area. An empty box is, an infinite one is not.
+    /// Whether all of a box is in the area: true for an empty box, false for an infinite one.
     pub fn shows(&self, bounds: Aabb<f32>, area: SafeArea) -> bool {
         if bounds.min.cmpgt(bounds.max).any() {
             return true;
@@ -114,8 +114,8 @@ impl Orbit {
         })
     }
 
-    /// Moves away from the target until all of a box is in the area, where it is not. The target and the angles stay, so
-    /// that what was seen stays in sight.
+    /// Moves the eye away from the target until all of a box is in the area, if it is not. The target and the angles stay,
+    /// so that everything seen before stays in sight.
     pub fn pull_back(&mut self, bounds: Aabb<f32>, area: SafeArea) {
         if !is_box(bounds) || self.shows(bounds, area) {
             return;
@@ -135,8 +135,8 @@ impl Orbit {
         }
     }
 
-    /// Keeps the eye above a floor, where it was above it before a hand moved it: a turn ends there, any other move slides
-    /// along.
+    /// Keeps the eye above a floor after a move, if it was above the floor `before`. A turn stops at the floor; any other
+    /// move slides along it.
     pub fn stay_above(&mut self, floor: f32, before: &Self) {
         if before.camera().eye.y < floor {
             return;
@@ -150,7 +150,7 @@ impl Orbit {
         }
     }
 
-    /// Turns the eye up above a floor that the target is above. Says whether it was below.
+    /// Turns an eye below a floor up above it, if the target is above the floor. Returns whether the eye was below.
     pub fn rise_above(&mut self, floor: f32) -> bool {
         let sine = (self.clear_of(floor) - self.target.y) / self.distance;
         let below = self.target.y >= floor && self.pitch_rad.sin() < sine;

@@ -1,5 +1,5 @@
-//! Handles around a thing, to move and turn it with the pointer: arrows along three axes, squares between them, rings
-//! around them. Plain data and geometry; whoever owns a mouse asks what it hits and what a drag means.
+//! Handles to move and turn a thing with the pointer: arrows along three axes, squares between them, rings around them.
+//! Plain data and geometry, which says what the pointer hits and what a drag means; the caller owns the mouse.
 //!
 //! ```text
 //!        ▲ y
@@ -32,17 +32,17 @@ const SQUARE: [f32; 2] = [26.0, 46.0];
 const RING: f32 = 102.0;
 /// Lines in a whole ring.
 const RING_SIDES: u16 = 96;
-/// How wide the rim of lines is, pixels.
+/// The width of the rim of lines, pixels.
 const RIM: f32 = 1.0;
-/// How near the pointer must come, pixels.
+/// How near to an arrow or a ring the pointer must be to hit it, pixels.
 const REACH: f32 = 8.0;
-/// An arrow that points this straight at the eye, as a cosine, is no use and not there.
+/// An arrow is left out if the cosine of its angle to the line of sight exceeds this: it points too straight at the eye.
 const ARROW_STRAIGHT: f32 = 0.97;
-/// A square seen this flat, as a sine, is no use and not there.
+/// A square is left out if it is seen flatter than this, as a sine.
 const SQUARE_FLAT: f32 = 0.12;
-/// A ring seen this flat, as a sine, is turned along its tangent instead of about its middle.
+/// A ring seen flatter than this, as a sine, is turned by a drag along its tangent instead of around its middle.
 const RING_FLAT: f32 = 0.25;
-/// How far a drag may carry anything, in distances from the eye: towards the horizon it would have no end.
+/// The farthest that a drag moves the thing, in distances from the eye: towards the horizon there is no limit otherwise.
 const FARTHEST: f32 = 20.0;
 
 /// Handles around a thing.
@@ -52,7 +52,7 @@ pub struct Gizmo {
     pub center: Vec3,
     /// The directions of the handles; of unit length, at right angles.
     pub axes: [Vec3; 3],
-    /// Whether it has rings: nobody sees a sphere turn.
+    /// Whether there are rings. A sphere needs none: its turns are invisible.
     pub turns: bool,
 }
 
@@ -67,7 +67,7 @@ pub enum Handle {
     Ring(usize),
 }
 
-/// What a drag does to the thing, from where it was when the drag began.
+/// The effect of a drag on the thing, relative to where it was when the drag began.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drag {
     /// Moves it, m.
@@ -104,8 +104,8 @@ impl Gizmo {
         })
     }
 
-    /// What dragging a handle from one pixel to another does; `None` where the pointer points at nothing that means
-    /// anything, so that the last answer stands. The gizmo and the camera are those of the drag's beginning.
+    /// Returns the effect of dragging a handle from one pixel to another. `None` where the pointer is at no meaningful
+    /// place: the last result stands then. The gizmo and the camera must be those of the beginning of the drag.
     pub fn drag(&self, camera: &Camera, size: Vec2, handle: Handle, from: Vec2, to: Vec2) -> Option<Drag> {
         let far = FARTHEST * camera.eye.distance(self.center);
         let moved = match handle {
@@ -129,7 +129,7 @@ impl Gizmo {
         (moved.length() < far).then_some(Drag::Move(moved))
     }
 
-    /// Where along an axis, m from the middle, the line of sight through a pixel comes nearest to it.
+    /// The point of an axis that is nearest to the line of sight through a pixel, m from the middle.
     fn along_axis(&self, camera: &Camera, size: Vec2, axis: usize, pixel: Vec2) -> Option<f32> {
         let (ray, axis) = (camera.ray_through(pixel, size), self.axes[axis]);
         let to_center = self.center - ray.origin;
@@ -151,7 +151,7 @@ impl Gizmo {
             let (a, b) = (on_plane(from, axis)?, on_plane(to, axis)?);
             return Some(axis.dot(a.cross(b)).atan2(a.dot(b)));
         }
-        // Seen flat, the near side of the ring is a line: along it a radius is a radian.
+        // Seen flat, the near side of the ring is a line: a way of one radius along it is a turn of one radian.
         let toward = (to_eye - axis * facing).try_normalize()?;
         let tangent = axis.cross(toward);
         let radius = Seen::new(self, camera, size)?.metres(RING);
@@ -160,7 +160,7 @@ impl Gizmo {
         Some((angle + PI).rem_euclid(TAU) - PI)
     }
 
-    /// Puts the handles over a picture of `size` pixels, the one under the pointer or dragged stands out.
+    /// Draws the handles over a picture of `size` pixels. The `hot` handle, under the pointer or dragged, stands out.
     pub fn add_to(
         &self,
         overlay: &mut Overlay,
@@ -216,7 +216,7 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    /// Nothing where the middle is not ahead of the eye.
+    /// `None` if the middle is not ahead of the eye.
     fn new(gizmo: &'a Gizmo, camera: &'a Camera, size: Vec2) -> Option<Self> {
         let ahead = (gizmo.center - camera.eye).dot(camera.forward());
         let metres_per_pixel = 2.0 * (0.5 * camera.fov_rad).tan() * ahead / size.y;
@@ -256,7 +256,7 @@ impl<'a> Seen<'a> {
         [[near, near], [far, near], [far, far], [near, far]].map(|[a, b]| self.gizmo.center + u * a + v * b)
     }
 
-    /// The half of the ring on this side of its middle; all of it where the eye looks along the axis.
+    /// The half of the ring nearer to the eye; the whole ring if the eye looks along its axis.
     fn ring(&self, axis: usize) -> Vec<Vec3> {
         let normal = self.gizmo.axes[axis];
         let facing = self.facing(axis);
@@ -273,7 +273,7 @@ impl<'a> Seen<'a> {
         (0..=sides).map(point).collect()
     }
 
-    /// A line that reaches a little beyond another on all sides.
+    /// The rim of a line: a line that reaches a little further on all sides.
     fn rimmed(&self, segment: &Segment, color: [f32; 4]) -> Segment {
         let [from, to] = segment.ends.map(Vec3::from);
         let flat_ended = segment.widths[0] > 2.0 * segment.widths[1];
@@ -311,7 +311,7 @@ fn to_segment(pixel: Vec2, [a, b]: [Vec2; 2]) -> f32 {
     pixel.distance(if share.is_finite() { a + way * share } else { a })
 }
 
-/// Whether a pixel lies within a convex shape, whichever way around its corners are.
+/// Whether a pixel lies within a convex quadrilateral of either winding.
 fn is_inside(corners: &[Vec2; 4], pixel: Vec2) -> bool {
     let turns = (0..4).map(|at| (corners[(at + 1) % 4] - corners[at]).perp_dot(pixel - corners[at]));
     let (mut left, mut right) = (false, false);

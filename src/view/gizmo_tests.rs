@@ -1,4 +1,4 @@
-//! What the pointer hits on a gizmo, and what dragging it means.
+//! What the pointer hits on a gizmo, and what a drag does.
 
 use super::*;
 use crate::view::{Orbit, Style};
@@ -6,7 +6,7 @@ use crate::view::{Orbit, Style};
 const SIZE: Vec2 = Vec2::new(1280.0, 800.0);
 const CENTER: Vec3 = Vec3::new(0.4, 0.7, -0.3);
 
-/// From in front, a little from the right and above, so that no axis points at the eye.
+/// From the front, a little from the right and from above, so that no axis points at the eye.
 fn camera(distance: f32) -> Camera {
     Orbit { target: CENTER, yaw_rad: 0.5, pitch_rad: 0.4, distance, ..Orbit::default() }.camera()
 }

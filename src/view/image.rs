@@ -20,7 +20,8 @@ impl Image {
         self.offset([x, y]).and_then(|at| self.rgba.get(at..at + 4)?.try_into().ok())
     }
 
-    /// Lays a colour over a pixel, `coverage` from 0 (nothing) to 1 (only the colour); outside nothing happens.
+    /// Lays a colour over a pixel, `coverage` from 0 (nothing) to 1 (only the colour). Pixels outside the picture are
+    /// ignored.
     pub fn blend(&mut self, at: [u32; 2], color: [u8; 3], coverage: f32) {
         let Some(at) = self.offset(at) else { return };
         let coverage = coverage.clamp(0.0, 1.0);

@@ -3,7 +3,7 @@
 /// The numbers beside a colour bar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Legend {
-    /// What is shown, with its unit: "load, N".
+    /// The name of the scalar, with its unit: "load, N".
     pub title: String,
     /// The unit; may be empty.
     pub unit: String,
@@ -37,8 +37,7 @@ impl Legend {
     }
 }
 
-/// About `count` round values (1, 2 or 5 times a power of ten apart) within a range. An empty or infinite range has
-/// none.
+/// About `count` round values (1, 2 or 5 times a power of ten apart) within a range; none for an empty or infinite range.
 fn ticks([low, high]: [f32; 2], count: usize) -> Vec<Tick> {
     let (low, high) = (f64::from(low), f64::from(high));
     let span = high - low;

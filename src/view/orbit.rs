@@ -1,4 +1,4 @@
-//! The camera as a person moves it: around a point, in the plane of the picture, towards what is under the pointer.
+//! The camera as a person moves it: around a point, in the plane of the picture, and towards the point under the pointer.
 
 use std::f32::consts::{PI, TAU};
 
@@ -47,7 +47,7 @@ impl Default for Camera {
 }
 
 impl Orbit {
-    /// The same orbit with every value inside its limits and not-a-number replaced by the default.
+    /// Returns the orbit with every value inside its limits and every NaN replaced by the default.
     pub fn clamped(self) -> Self {
         let default = Self::default();
         let finite = |value: f32, default: f32| if value.is_finite() { value } else { default };
@@ -76,8 +76,8 @@ impl Orbit {
         *self = self.clamped();
     }
 
-    /// Moves the scene with a pointer dragged by `pixels` (right and down positive) in a picture `height` pixels
-    /// high: what lies as far away as the target stays under the pointer.
+    /// Moves the scene with a pointer dragged by `pixels` (right and down positive) in a picture `height` pixels high:
+    /// points as far away as the target stay under the pointer.
     pub fn pan(&mut self, pixels: Vec2, height: f32) {
         let camera = self.camera();
         let metres_per_pixel = 2.0 * (0.5 * self.fov_rad).tan() * self.distance / height.max(1.0);
@@ -96,8 +96,8 @@ impl Orbit {
         *self = after.clamped();
     }
 
-    /// As [`Orbit::zoom_towards`], to the point on `ray` (the line of sight under the pointer) that is as far away
-    /// as the target.
+    /// Zooms as [`Orbit::zoom_towards`] does, towards the point on `ray` (the line of sight under the pointer) that is as
+    /// far away as the target.
     pub fn zoom_along(&mut self, factor: f32, ray: &Ray) {
         let camera = self.camera();
         let point = ray.hit_plane(camera.target, camera.forward()).map_or(camera.target, |t| ray.at(t));

@@ -1,12 +1,12 @@
-//! What is drawn over a picture to explain it: lines, points, cells, flat shapes, all of a constant width on the
-//! screen. What hangs on particles or on a skin names them by index, so that the positions on the device serve and
-//! nothing is copied a frame.
+//! Shapes drawn over a picture to explain it: lines, points, cells and fills, of constant width on the screen. Shapes on
+//! particles or on a skin refer to them by index. They use the positions that are already on the graphics device, and
+//! nothing is copied per frame.
 
 use std::sync::Arc;
 
 use super::style::Tint;
 
-/// What is drawn over a picture. Empty by default, and then it costs nothing.
+/// Shapes drawn over a picture. Empty by default; an empty overlay costs nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overlay {
     /// Lines, drawn in this order.
@@ -17,9 +17,9 @@ pub struct Overlay {
     pub cells: Vec<CellFrames>,
     /// Flat shapes, drawn last, over everything.
     pub fills: Arc<Vec<Fill>>,
-    /// How much of the bodies is taken away so that what is inside can be seen, 0 (nothing) to 1 (all).
+    /// How much the bodies fade so that their inside can be seen, from 0 (not at all) to 1 (invisible).
     pub see_through: f32,
-    /// Pixels of the picture in a pixel of widths and sizes: 2 on a screen of twice the usual density.
+    /// Picture pixels per pixel of widths and sizes: 2 on a screen of twice the usual density.
     pub scale: f32,
 }
 
@@ -47,7 +47,7 @@ pub struct Lines {
     pub opacity: f32,
     /// Width, pixels; multiplied with a segment's own.
     pub width: f32,
-    /// What is left of them behind other things: 0 nothing, 1 as if nothing were before them.
+    /// How much of them shows behind other things: 0 nothing, 1 as if nothing were in front.
     pub hidden: f32,
 }
 
@@ -56,14 +56,14 @@ pub struct Lines {
 pub enum LineEnds {
     /// Between points of the world.
     Placed(Arc<Vec<Segment>>),
-    /// Between pixels of the picture, from its lower right corner, x to the right and y up (so x is negative); over
+    /// Between pixels of the picture, from its lower right corner, x to the right and y up (so x is negative); drawn over
     /// everything.
     Screen(Arc<Vec<Segment>>),
     /// Between particles.
     Particles {
         /// The two ends of every line.
         ends: Arc<Vec<[u32; 2]>>,
-        /// The particle of the draw list that is number 0 of `ends`.
+        /// The particle of the draw list that index 0 of `ends` stands for.
         first: u32,
     },
     /// Along the edges of the triangles of a skin of the draw list.
@@ -90,7 +90,7 @@ pub struct Points {
     pub tint: Tint,
     /// Diameter, pixels.
     pub size: f32,
-    /// What is left of them behind other things, 0..1.
+    /// How much of them shows behind other things, 0..1.
     pub hidden: f32,
 }
 
@@ -108,13 +108,13 @@ pub enum PointPlaces {
     },
 }
 
-/// The cells of a body as frames a little smaller than they are; those turned inside out are crossed, in another
-/// colour, over everything.
+/// The cells of a body as wire frames a little smaller than the cells. Inverted cells are crossed out in another colour,
+/// drawn over everything.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellFrames {
     /// The particles of every cell: bit 0 of the place is x, bit 1 y, bit 2 z.
     pub cells: Arc<Vec<[u32; 8]>>,
-    /// The particle of the draw list that is number 0 of `cells`.
+    /// The particle of the draw list that index 0 of `cells` stands for.
     pub first: u32,
     /// Width of the lines, pixels; those of inverted cells are more than twice as wide.
     pub width: f32,
@@ -137,7 +137,7 @@ impl Overlay {
 }
 
 impl Segment {
-    /// A line of one width whose colour is its set's.
+    /// A line of one width in the colour of its set.
     pub fn plain(from: glam::Vec3, to: glam::Vec3, width: f32) -> Self {
         Self::new(from, to, [1.0; 4], width)
     }

@@ -1,10 +1,10 @@
-//! Lines of sight, and what they meet first.
+//! Finds what a line of sight meets first.
 
 use glam::Vec3;
 
 use super::{DrawList, Ray, Skin};
 
-/// What a line of sight meets first in a picture.
+/// The first thing that a line of sight meets in a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hit {
     /// What it is.
@@ -27,11 +27,11 @@ pub enum Thing {
         /// The particles that carry the point and their weights, which sum to 1.
         weights: Vec<(u32, f32)>,
     },
-    /// The solid of this place in the draw list.
+    /// The solid of this index in the draw list.
     Solid(usize),
 }
 
-/// What a line of sight meets first in a picture.
+/// Finds the first thing that a line of sight meets in a picture.
 pub fn nearest(draw_list: &DrawList, ray: &Ray) -> Option<Hit> {
     let skins = draw_list.skins.iter().enumerate().filter_map(|(place, instance)| {
         let (triangle, distance) = instance.skin.hit(&draw_list.particles, ray)?;
@@ -44,7 +44,7 @@ pub fn nearest(draw_list: &DrawList, ray: &Ray) -> Option<Hit> {
     first.map(|(what, distance)| Hit { what, point: ray.at(distance), distance })
 }
 
-/// The corners of the face of a cell that a line of sight meets, round it, m: two triangles that follow each other.
+/// Returns the corners, in order, of the cell face at a hit, m. A face is two consecutive triangles of the skin.
 pub fn face(draw_list: &DrawList, hit: &Hit) -> Option<[Vec3; 4]> {
     let Thing::Skin { skin, triangle, .. } = hit.what else { return None };
     let skin = &draw_list.skins.get(skin)?.skin;
@@ -57,7 +57,7 @@ pub fn face(draw_list: &DrawList, hit: &Hit) -> Option<[Vec3; 4]> {
     shared.then(|| corners.map(|vertex| skin.vertices()[vertex as usize].place(&draw_list.particles)))
 }
 
-/// The weights of the particles at a point of a triangle.
+/// The particles that carry a point of a triangle, with their weights.
 fn weights_at(skin: &Skin, particles: &[[f32; 3]], triangle: usize, point: Vec3) -> Vec<(u32, f32)> {
     let corners = skin.triangles()[triangle].map(|vertex| &skin.vertices()[vertex as usize]);
     let [a, b, c] = corners.map(|vertex| vertex.place(particles));

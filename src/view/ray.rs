@@ -19,7 +19,7 @@ impl Ray {
         self.origin + self.direction * distance
     }
 
-    /// The distance to an infinite plane through `point`, seen from either side.
+    /// The distance to an infinite plane through `point`, met from either side.
     pub fn hit_plane(&self, point: Vec3, normal: Vec3) -> Option<f32> {
         let distance = (point - self.origin).dot(normal) / self.direction.dot(normal);
         (distance.is_finite() && distance >= 0.0).then_some(distance)
@@ -34,7 +34,7 @@ impl Ray {
         [along - half_chord, along + half_chord].into_iter().find(|&distance| distance >= 0.0)
     }
 
-    /// The distance to a triangle, seen from either side (Möller and Trumbore, JGT 2(1), 1997).
+    /// The distance to a triangle, met from either side (Möller and Trumbore, JGT 2(1), 1997).
     pub fn hit_triangle(&self, [a, b, c]: [Vec3; 3]) -> Option<f32> {
         let (ab, ac) = (b - a, c - a);
         let p = self.direction.cross(ac);

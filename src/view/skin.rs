@@ -1,4 +1,4 @@
-//! A surface carried by particles: eight indices and weights a vertex.
+//! A surface carried by particles: eight indices and weights per vertex.
 //!
 //! ```text
 //! position = Σ position[i] · x[particles[i]]
@@ -6,9 +6,9 @@
 //! scalar   = Σ position[i] · s[particles[i]]
 //! ```
 //!
-//! One layout serves the outer faces of cells (weight 1 at one particle, tangents between its neighbours, GC §3.2)
-//! and a mesh embedded in a lattice (trilinear weights and their derivatives). It never changes while a body moves,
-//! so that only particles are uploaded a frame.
+//! One layout serves both the outer faces of cells (weight 1 at one particle, tangents between its neighbours, GC §3.2) and
+//! a mesh embedded in a lattice (trilinear weights and their derivatives). It never changes while a body moves: only
+//! particles are uploaded per frame.
 
 use std::ops::Range;
 
@@ -17,11 +17,11 @@ use glam::Vec3;
 use super::clusters::Clusters;
 use super::{Ray, SkinTextures, SkinVertex};
 
-/// Stands for a corner that is not there.
+/// Stands for a missing corner.
 pub const NO_CORNER: u32 = u32::MAX;
 
-/// A surface carried by particles. What drawing and picking want to know of its form is worked out when it is made, so
-/// that the window never walks the mesh.
+/// A surface carried by particles. Its edges, folds and clusters are computed once, when it is made, so that the window
+/// never walks the mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Skin {
     vertices: Vec<SkinVertex>,
@@ -34,8 +34,8 @@ pub struct Skin {
 }
 
 impl Skin {
-    /// Of vertices (a point with several normals is several vertices) and triangles by vertex, counter-clockwise from
-    /// outside.
+    /// Makes a skin from vertices (a point with several normals is several vertices) and triangles by vertex,
+    /// counter-clockwise seen from outside.
     ///
     /// # Panics
     /// When a triangle names a vertex that is not there.
@@ -46,10 +46,10 @@ impl Skin {
         Self { vertices, triangles, edges, folds, clusters, is_painted, textures: None }
     }
 
-    /// The same with pictures, by which the colours of its vertices are multiplied.
+    /// Adds pictures: the colours of the vertices are multiplied by them.
     ///
     /// # Panics
-    /// When the pictures are not those of as many vertices and triangles.
+    /// When the pictures are for other numbers of vertices or triangles.
     pub fn with_textures(self, textures: SkinTextures) -> Self {
         assert!(textures.fits(self.vertices.len(), self.triangles.len()), "textures of another skin");
         Self { textures: Some(textures), ..self }
@@ -60,7 +60,7 @@ impl Skin {
         self.textures.as_ref()
     }
 
-    /// Whether any of it has a colour of its own.
+    /// Whether any vertex has a colour of its own.
     pub fn is_painted(&self) -> bool {
         self.is_painted
     }
@@ -80,10 +80,10 @@ impl Skin {
         &self.edges
     }
 
-    /// Every edge of the surface once, where vertices at one place count as one: its two ends and the far corners of the
-    /// two triangles at it, by vertex. The last corner is [`NO_CORNER`] where there are not two triangles.
+    /// Every edge of the surface once: its two ends and the far corners of its two triangles, by vertex. Vertices at one
+    /// place count as one. The last corner is [`NO_CORNER`] if the edge does not have exactly two triangles.
     ///
-    /// A silhouette runs along an edge where the eye sees both far corners on one side of it.
+    /// The silhouette runs along an edge if the eye sees both far corners on the same side of it.
     pub fn folds(&self) -> &[[u32; 4]] {
         &self.folds
     }
@@ -100,7 +100,7 @@ impl Skin {
         self.clusters.near(particles, ray).filter_map(hit).min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The position and unit normal of every vertex: what the graphics card computes, for export, picking and tests.
+    /// The position and unit normal of every vertex, as the graphics card computes them: for export, picking and tests.
     ///
     /// # Panics
     /// When the skin names a particle that is not there.
@@ -108,7 +108,7 @@ impl Skin {
         self.vertices.iter().map(|vertex| vertex.evaluate(particles)).collect()
     }
 
-    /// From the lowest to the highest particle that carries it.
+    /// The range from the lowest to the highest particle that carries the skin.
     pub fn particle_range(&self) -> Range<usize> {
         let slots = self.vertices.iter().flat_map(|vertex| vertex.particles.into_iter().zip(vertex.position));
         let carrying = slots.filter(|&(_, weight)| weight != 0.0).map(|(particle, _)| particle as usize);
@@ -121,7 +121,7 @@ impl Skin {
         })
     }
 
-    /// One more than the highest particle it names: how many particles it needs.
+    /// The number of particles it needs: one more than the highest index it names.
     pub fn particles_needed(&self) -> usize {
         self.vertices.iter().flat_map(|vertex| vertex.particles).max().map_or(0, |highest| highest as usize + 1)
     }
@@ -158,7 +158,7 @@ fn folds(vertices: &[SkinVertex], triangles: &[[u32; 3]]) -> Vec<[u32; 4]> {
     sides.chunk_by(|a, b| a.0 == b.0).map(fold).collect()
 }
 
-/// For every vertex the first of those that are carried alike, and so always at one place.
+/// For every vertex, the first vertex with the same particles and weights, which is always at the same place.
 fn welded(vertices: &[SkinVertex]) -> Vec<u32> {
     let carriers = |vertex: u32| {
         let SkinVertex { particles, position, .. } = &vertices[vertex as usize];
@@ -192,9 +192,9 @@ mod tests {
 
     #[test]
     fn an_edge_knows_its_two_triangles_also_across_a_crease() {
-        // Two triangles over the corners 0, 1, 2 and 2, 1, 3; their edge has vertices of its own on either side.
+        // Two triangles over the corners 0, 1, 2 and 2, 1, 3. Each has vertices of its own at their common edge.
         let mut crease = [0, 1, 2, 2, 1, 3].map(on);
-        // What tangents hang on is of no account, nor is a slot without a weight.
+        // Neither tangents nor slots without a weight matter.
         crease[3].particles[1] = 7;
         crease[4].tangent_u = [1.0; 8];
         let skin = Skin::new(crease.to_vec(), vec![[0, 1, 2], [3, 4, 5]]);

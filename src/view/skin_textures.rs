@@ -1,4 +1,4 @@
-//! The pictures on a skin: where its vertices lie in them, and on which of its triangles they are.
+//! The pictures on a skin: the texture coordinates of its vertices, and the triangles that each picture covers.
 
 use std::ops::Range;
 
@@ -7,19 +7,19 @@ use crate::math::picture::Texture;
 /// The pictures on a skin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkinTextures {
-    /// Of every vertex: (0, 0) is a picture's upper left corner, (1, 1) its lower right one.
+    /// The texture coordinates of every vertex: (0, 0) is a picture's upper left corner, (1, 1) its lower right one.
     pub places: Vec<[f32; 2]>,
-    /// The triangles with pictures, each run behind the one before it and the last one last of all; what is before the first
-    /// has none.
+    /// The triangles with pictures, as consecutive runs that end with the last triangle. Triangles before the first run have
+    /// no picture.
     pub runs: Vec<TexturedRun>,
 }
 
-/// Triangles with one picture.
+/// Consecutive triangles with one picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TexturedRun {
     /// The picture.
     pub texture: Texture,
-    /// The triangles, by their places in the skin.
+    /// The triangles, by their indices in the skin.
     pub triangles: Range<usize>,
 }
 
@@ -29,7 +29,7 @@ impl SkinTextures {
         self.runs.first().map_or(0, |run| run.triangles.start)
     }
 
-    /// Whether it fits a skin of so many vertices and triangles.
+    /// Whether the pictures fit a skin with these numbers of vertices and triangles.
     pub(super) fn fits(&self, vertices: usize, triangles: usize) -> bool {
         let ends = self.runs.iter().map(|run| run.triangles.end);
         let begins = self.runs.iter().map(|run| run.triangles.start).skip(1).chain([triangles]);

@@ -13,7 +13,7 @@ pub struct SkinVertex {
     pub tangent_u: [f32; 8],
     /// Weights of the second tangent; they sum to 0.
     pub tangent_v: [f32; 8],
-    /// Its own colour: sRGB and 255, or all 0 where it has none.
+    /// Its own colour: sRGB and 255, or all 0 if it has none.
     pub tint: [u8; 4],
 }
 

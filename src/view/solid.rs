@@ -1,4 +1,4 @@
-//! The forms of obstacles, to draw and to point at.
+//! The forms of obstacles, for drawing and for picking.
 
 use std::sync::Arc;
 
@@ -48,23 +48,23 @@ pub enum Solid {
     Cylinder {
         /// The middle, m.
         center: Vec3,
-        /// From the middle to the middle of one end, m; never nothing.
+        /// From the middle to the middle of one end, m; never zero.
         arm: Vec3,
         /// The radius, m.
         radius: f32,
     },
     /// A mesh.
     Mesh {
-        /// The middle of its box, m.
+        /// The middle of its bounding box, m.
         center: Vec3,
-        /// Where its own axes point; at right angles, as long as its unit, m.
+        /// Its own axes in the world: at right angles, each as long as the mesh's unit, m.
         axes: [Vec3; 3],
-        /// What it is in these axes.
+        /// The mesh in these axes.
         mesh: Arc<SolidMesh>,
     },
 }
 
-/// The least share of a floor's normal that points up.
+/// How far up the unit normal of a floor points at least.
 const FLOOR_NORMAL_Y: f32 = 0.999;
 
 impl Solid {
@@ -73,7 +73,7 @@ impl Solid {
         matches!(self, Self::Plane { .. })
     }
 
-    /// Whether it is a plane that lies level: things stand on it, it catches shadows and has nothing to shade below.
+    /// Whether it is a level plane: things stand on it, it catches shadows and shades nothing below.
     pub fn is_floor(&self) -> bool {
         matches!(*self, Self::Plane { axes: [u, v], .. } if u.cross(v).y.abs() > FLOOR_NORMAL_Y)
     }
@@ -100,7 +100,7 @@ impl Solid {
         Aabb { min: center - reach, max: center + reach }
     }
 
-    /// How far along a ray its surface is met first, m, from outside or from within.
+    /// The distance along a ray at which its surface is first met, m, from outside or from within.
     pub fn hit(&self, ray: &Ray) -> Option<f32> {
         let first = |[enter, leave]: [f32; 2]| {
             (enter <= leave).then_some([enter, leave]).and_then(|ends| ends.into_iter().find(|&end| end >= 0.0))
@@ -120,11 +120,11 @@ impl Solid {
             Self::Cylinder { center, arm, radius } => first(in_cylinder(ray, center, arm, radius)),
             Self::Mesh { center, axes, ref mesh } => {
                 let own = |v: Vec3| Vec3::from(axes.map(|axis| v.dot(axis) / axis.length_squared()));
-                // A distance is as many times the direction in either axes.
+                // A distance is the same multiple of the direction in both systems of axes.
                 mesh.hit(&Ray { origin: own(ray.origin - center), direction: own(ray.direction) })
             }
             Self::Capsule { center, arm, radius } => {
-                // All three are one convex piece.
+                // The ends and the cylinder are one convex body.
                 let ends = [center - arm, center + arm].into_iter().filter_map(|end| ray.hit_sphere(end, radius));
                 let side = first(in_cylinder(ray, center, arm, radius));
                 let is_within = self.holds(ray.origin);
@@ -141,15 +141,15 @@ impl Solid {
     }
 }
 
-/// All of a line.
+/// The whole of a line.
 const EVER: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
 
-/// What two parts of a line have in common; ends before it begins where that is nothing.
+/// The intersection of two parts of a line; its end lies before its beginning if it is empty.
 fn common(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
     [a[0].max(b[0]), a[1].min(b[1])]
 }
 
-/// The part of a line of sight, m, that is within `half` of a point along an axis.
+/// The part of a line of sight, m, within `half` of a point, measured along an axis.
 fn between(ray: &Ray, center: Vec3, axis: Vec3, half: f32) -> [f32; 2] {
     let (from, speed) = ((ray.origin - center).dot(axis), ray.direction.dot(axis));
     if speed == 0.0 {
@@ -169,7 +169,7 @@ fn in_cylinder(ray: &Ray, center: Vec3, arm: Vec3, radius: f32) -> [f32; 2] {
         let middle = -from.dot(way) / speed_squared;
         let off_squared = (from + way * middle).length_squared();
         let half = ((radius * radius - off_squared) / speed_squared).sqrt();
-        // The root of less than nothing is no number: nothing lies between such ends.
+        // The root of a negative number is NaN: nothing lies between such ends.
         [middle - half, middle + half]
     } else if from.length() <= radius {
         EVER
@@ -207,7 +207,7 @@ mod tests {
         assert!(!Solid::Sphere { center: Vec3::ZERO, radius: 9.0 }.is_floor(), "a sphere");
     }
 
-    /// One of each closed form, about the origin, all turned alike.
+    /// One of each closed form about the origin, all turned by the same rotation.
     fn closed() -> [Solid; 4] {
         let turn = glam::Mat3::from_euler(glam::EulerRot::XYZ, 0.4, -0.7, 1.1);
         let axes = [turn.x_axis, turn.y_axis, turn.z_axis];

@@ -1,18 +1,18 @@
-//! An obstacle's mesh, to draw and to point at.
+//! The mesh of an obstacle, for drawing and for picking.
 
 use glam::Vec3;
 
 use super::Ray;
 
-/// A mesh about the origin, over its length. Two are the same where they are one in memory: they never change.
+/// A mesh about the origin, in units of its length. Two are equal only if they are one in memory: they never change.
 #[derive(Clone, Debug, Default)]
 pub struct SolidMesh {
-    /// The corners of the triangles, three a triangle, counter-clockwise seen from outside; what has no inside is there
-    /// with both its sides.
+    /// The corners of the triangles, three per triangle, counter-clockwise seen from outside. An open mesh has both its
+    /// sides here.
     pub corners: Vec<SolidCorner>,
-    /// Where its outline may run.
+    /// The edges at which its outline may run.
     pub edges: Vec<SolidEdge>,
-    /// Half the box around it.
+    /// Half the size of the box around it.
     pub half_extents: Vec3,
 }
 
@@ -21,7 +21,7 @@ pub struct SolidMesh {
 pub struct SolidCorner {
     /// Where it is.
     pub position: Vec3,
-    /// The normal there: that of the triangle at a sharp edge, a mean at a smooth one.
+    /// The normal: that of the triangle at a sharp edge, a mean at a smooth one.
     pub normal: Vec3,
 }
 
@@ -30,7 +30,7 @@ pub struct SolidCorner {
 pub struct SolidEdge {
     /// Its ends.
     pub ends: [Vec3; 2],
-    /// The normals of the triangles; one is the other turned around at a rim.
+    /// The normals of the two triangles; at a rim the second is the first turned around.
     pub normals: [Vec3; 2],
 }
 
@@ -41,7 +41,7 @@ impl PartialEq for SolidMesh {
 }
 
 impl SolidMesh {
-    /// How far along a ray in the mesh's own axes and unit a triangle is met first.
+    /// The distance along a ray, in the mesh's own axes and unit, at which a triangle is first met.
     pub fn hit(&self, ray: &Ray) -> Option<f32> {
         let (origin, way) = (ray.origin, ray.direction);
         let hits = self.corners.chunks_exact(3).filter_map(|corners| {
@@ -62,7 +62,8 @@ impl SolidMesh {
         hits.min_by(f32::total_cmp)
     }
 
-    /// The edges that lie between what an eye sees and what it does not, in the mesh's own axes and unit.
+    /// The edges between triangles that an eye sees from outside and triangles that it does not, in the mesh's own axes and
+    /// unit.
     pub fn silhouette(&self, eye: Vec3) -> impl Iterator<Item = [Vec3; 2]> {
         let is_seen = move |edge: &&SolidEdge| {
             let [one, other] = edge.normals.map(|normal| normal.dot(eye - edge.ends[0]) > 0.0);

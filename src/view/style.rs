@@ -1,5 +1,5 @@
-//! The colours of everything in the view but scalars: a dark and a light theme in which the jelly is the only
-//! saturated thing.
+//! The colours of everything in the view but scalars: a dark and a light theme in which the jelly is the only saturated
+//! thing.
 
 use crate::math::color::linear_from_srgb;
 
@@ -12,29 +12,29 @@ pub struct Style {
     pub background_bottom: [f32; 3],
     /// The lines on the ground of a scene without a floor.
     pub grid: [f32; 3],
-    /// How opaque the strongest of them are, 0..1.
+    /// How opaque the strongest lines of the grid are, 0..1.
     pub grid_opacity: f32,
     /// How opaque a full shadow on that ground is, 0..1.
     pub shadow_opacity: f32,
-    /// How much of the sky a body takes from what it touches, 0..1.
+    /// How much of the sky's light a body takes from the surface it touches, 0..1.
     pub contact_opacity: f32,
     /// The matt surface of planes that lie level.
     pub floor: [f32; 3],
     /// The matt surface of other obstacles.
     pub obstacle: [f32; 3],
-    /// The edges of planes and the lines on them.
+    /// The edges of planes, and the lines on them.
     pub plane_line: [f32; 3],
-    /// How opaque the strongest of these lines are, 0..1; edges are opaque.
+    /// How opaque the strongest lines on planes are, 0..1; edges are opaque.
     pub plane_line_opacity: f32,
     /// White light from everywhere, 0..1.
     pub ambient: f32,
-    /// Colours of bodies, taken in turn.
+    /// Colours of bodies, used in turn.
     pub bodies: [[f32; 3]; 6],
-    /// What explains the picture.
+    /// The colours of overlays.
     pub overlay: OverlayColors,
 }
 
-/// The colours of overlays: told apart by colour-blind people too (after Okabe and Ito), by hue and by lightness.
+/// The colours of overlays: distinct for colour-blind people too (after Okabe and Ito), by hue and by lightness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverlayColors {
     /// Links by family: structural, shear, bending.
@@ -55,17 +55,17 @@ pub struct OverlayColors {
     pub broken: [f32; 3],
     /// The edges of skins.
     pub wireframe: [f32; 3],
-    /// What is selected or grabbed.
+    /// The selected or grabbed thing.
     pub accent: [f32; 3],
     /// A handle under the pointer.
     pub hot: [f32; 3],
-    /// The rim of handles, which stands out from whatever lies behind them.
+    /// The rim of handles, which stands out from any background.
     pub rim: [f32; 3],
     /// The axes x, y, z.
     pub axes: [[f32; 3]; 3],
 }
 
-/// Which of the colours of overlays something has: named, so that it follows the theme it is drawn in.
+/// Names one of the colours of overlays, so that shapes follow the theme in which they are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tint {
     /// Its own colours, segment by segment.
@@ -84,16 +84,16 @@ pub enum Tint {
     ObstacleBox,
     /// Cells.
     Cell,
-    /// What is wrong: cells turned inside out, links that a step is too large for.
+    /// Broken things: cells turned inside out, links for which a time step is too large.
     Broken,
     /// The edges of skins.
     Wireframe,
-    /// What is selected or grabbed.
+    /// The selected or grabbed thing.
     Accent,
 }
 
 impl OverlayColors {
-    /// The colour with an opacity of 0..1; white for what has its own.
+    /// The colour with an opacity of 0..1; white for [`Tint::Own`].
     pub fn of(&self, tint: Tint, opacity: f32) -> [f32; 4] {
         let [r, g, b] = match tint {
             Tint::Own => [1.0; 3],
@@ -192,7 +192,7 @@ impl Style {
         self.bodies[index % self.bodies.len()]
     }
 
-    /// Raspberry, lime, orange, blueberry, grape, lemon: told apart by lightness too, not by hue alone.
+    /// Raspberry, lime, orange, blueberry, grape, lemon: distinct by lightness too, not by hue alone.
     fn bodies() -> [[f32; 3]; 6] {
         [[226, 52, 88], [96, 186, 78], [244, 146, 42], [62, 120, 226], [146, 84, 190], [240, 204, 66]]
             .map(linear_from_srgb)

@@ -19,7 +19,7 @@ fn jellify_in_assistant(harness: &mut Harness<'_, Stage>, path: &Path) {
     jellify_wished(harness);
 }
 
-/// Makes the body that the assistant's values stand for.
+/// Makes the body that the assistant's values describe.
 fn jellify_wished(harness: &mut Harness<'_, Stage>) {
     let work = match jellify(&wished(harness), &Progress::default()) {
         Ok(body) => Work::Ready(Box::new(body)),
@@ -28,9 +28,9 @@ fn jellify_wished(harness: &mut Harness<'_, Stage>) {
     answer(harness, work);
 }
 
-/// What the assistant asks for.
+/// The body that the assistant asks for.
 fn wished(harness: &mut Harness<'_, Stage>) -> Box<Wanted> {
-    // The values have to stand for a while before the work begins.
+    // The work begins only after the values have been unchanged for a while.
     harness.run_steps(60);
     let wishes = std::mem::take(&mut harness.state_mut().ui.files.wishes);
     let asked = wishes.into_iter().find_map(|wish| match wish {
@@ -42,7 +42,7 @@ fn wished(harness: &mut Harness<'_, Stage>) -> Box<Wanted> {
 
 fn answer(harness: &mut Harness<'_, Stage>, work: Work) {
     harness.state_mut().ui.files.set_work(work);
-    // The dialog grows around what will come of the model before it stands still.
+    // The dialog grows with the preview of the model before it stands still.
     harness.run_steps(10);
 }
 

@@ -1,4 +1,4 @@
-//! The dialogs about files by the names a screen reader says: what waits for an answer, and what is said while typing.
+//! The dialogs about files by the names a screen reader says: requests that wait for an answer, and messages while typing.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use gelatin::scene::{Scene, presets};
 use gelatin::session::document::ModelPlace;
 use gelatin::session::{Command, Session, Status};
 
-/// What the panels show, and what came of it.
+/// The state that the panels show, and the commands they gave.
 pub(crate) struct Stage {
     pub(crate) status: Status,
     pub(crate) scene: Scene,
@@ -30,7 +30,7 @@ pub(crate) fn show(file: Option<&Path>, unsaved: bool) -> Harness<'static, Stage
         |ui, stage: &mut Stage| {
             theme::apply(ui.ctx());
             let running = Running { status: &stage.status, scene: &stage.scene, color_key: None, is_painted: false };
-            // What a frame asks for is sent before the next one.
+            // The commands of a frame are sent before the next one.
             let mut commands = Vec::new();
             panels_ui(
                 ui,
@@ -310,7 +310,7 @@ fn what_was_found_after_a_crash_is_offered() {
     harness.get_by_label("Unsaved changes");
 }
 
-/// Where things are, which must stay there.
+/// The places of things that must stay where they are.
 pub(crate) fn places(harness: &Harness<'_, Stage>, labels: &[&str]) -> Vec<egui::Rect> {
     labels.iter().map(|label| harness.get_all_by_label(label).next().expect("it is there").rect()).collect()
 }

@@ -1,4 +1,4 @@
-//! What a pointer and a keyboard mean, without a window.
+//! The meaning of pointer and keyboard events, without a window.
 
 use gelatin::app::input::{
     Action, Button, CameraMove, ChosenAction, Event, Input, Key, Keyboard, Panel, Situation, ViewRect, move_camera,

@@ -1,4 +1,4 @@
-//! The panels around a sandbox that really runs: what a click asks for is done before the next frame.
+//! The panels around a sandbox that really runs: a click is carried out before the next frame.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ use gelatin::view::Colormap;
 /// Sizes of windows, points: the smallest one allowed up to a 4K screen at scale 2.
 pub(crate) const SIZES: [[f32; 2]; 4] = [[760.0, 420.0], [900.0, 600.0], [1280.0, 800.0], [1920.0, 1080.0]];
 
-/// What a hand or a key can do something with.
+/// The roles of controls that a hand or a key can use.
 const CONTROLS: [Role; 8] = [
     Role::Button,
     Role::CheckBox,
@@ -32,7 +32,7 @@ const CONTROLS: [Role; 8] = [
 pub(crate) struct Live {
     /// The sandbox.
     pub(crate) session: Session,
-    /// What the panels remember.
+    /// The state that the panels remember.
     pub(crate) ui: UiState,
     /// All that the panels asked for, in order.
     pub(crate) sent: Vec<Command>,
@@ -78,25 +78,25 @@ impl Window {
         self.harness.state().session.scene()
     }
 
-    /// What was asked for since the last time.
+    /// The commands since the last call.
     pub(crate) fn sent(&mut self) -> Vec<Command> {
         std::mem::take(&mut self.harness.state_mut().sent)
     }
 
-    /// Clicks on what is called `label`.
+    /// Clicks on the control called `label`.
     pub(crate) fn click(&mut self, label: &str) {
         self.control(label).click();
         self.wait();
     }
 
-    /// Clicks on what is called `label`, in a list or panel that is scrolled to it.
+    /// Clicks on the control called `label`, after scrolling to it.
     pub(crate) fn press(&mut self, label: &str) {
         self.control(label).scroll_to_me();
         self.wait();
         self.click(label);
     }
 
-    /// Clicks twice on what is called `label`.
+    /// Clicks twice on the control called `label`.
     pub(crate) fn double_click(&mut self, label: &str) {
         for _ in 0..2 {
             self.control(label).click();
@@ -105,7 +105,7 @@ impl Window {
         self.wait();
     }
 
-    /// What is called `label`: a thing that can be clicked before a text that names it.
+    /// The control called `label`; one that can be clicked comes before a text that names it.
     pub(crate) fn control<'a>(&'a self, label: &'a str) -> Node<'a> {
         let mut all = self.harness.query_all_by_label(label);
         let active = all.find(|node| CONTROLS.contains(&node.accesskit_node().role()));
@@ -134,7 +134,7 @@ impl Window {
         self.wait();
     }
 
-    /// Types a text into what has the keyboard, and Enter.
+    /// Types a text into the widget with the keyboard focus, and Enter.
     pub(crate) fn enter(&mut self, text: &str) {
         self.harness.event(Event::Text(text.into()));
         self.wait();
@@ -151,7 +151,7 @@ impl Window {
         self.harness.run_steps(30);
     }
 
-    /// Presses, moves in steps, lets go.
+    /// Presses, moves in steps, releases.
     pub(crate) fn drag(&mut self, from: Pos2, to: Pos2) {
         self.harness.hover_at(from);
         self.wait();
@@ -165,13 +165,13 @@ impl Window {
         self.wait();
     }
 
-    /// The name of what has the keyboard.
+    /// The name of the widget with the keyboard focus.
     pub(crate) fn focused(&self) -> Option<String> {
         let node = self.harness.root().children_recursive().find(Node::is_focused)?;
         node.accesskit_node().label()
     }
 
-    /// All that a hand or a key can do something with: its role, its name, its place.
+    /// All controls that a hand or a key can use: role, name, place.
     pub(crate) fn controls(&self) -> Vec<(Role, String, Rect)> {
         let nodes = self.harness.root().children_recursive();
         let active = nodes.filter(|node| {

@@ -1,5 +1,5 @@
-//! The window and what is in it: the panels by the names a screen reader says, the hand without a window, the worker
-//! thread with sandboxes that are slow or broken, and the real program under a virtual display.
+//! The window and its content: the panels by the names a screen reader says, the hand without a window, the worker thread
+//! with sandboxes that are slow or broken, and the real program under a virtual display.
 
 mod assistant;
 mod files;

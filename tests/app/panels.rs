@@ -12,7 +12,7 @@ use gelatin::session::progress::Progress;
 use gelatin::session::{Command, Status};
 use gelatin::view::Colormap;
 
-/// What the panels show, and what came of it.
+/// The state that the panels show, and the commands they gave.
 struct Stage {
     status: Status,
     scene: Scene,
@@ -77,7 +77,7 @@ fn show_at(stage: Stage, size: [f32; 2]) -> Harness<'static, Stage> {
     harness
 }
 
-/// The commands that a click on the thing called `label` gives.
+/// The commands from a click on the control called `label`.
 fn click(harness: &mut Harness<'_, Stage>, label: &str) -> Vec<Command> {
     harness.get_by_label(label).click();
     harness.run_steps(3);
@@ -138,7 +138,7 @@ fn the_list_of_scenes_shows_all_of_them() {
     let mut harness = show(stage());
     click(&mut harness, "Scene");
     let last = presets::presets().last().expect("presets").name;
-    // A click at its place reaches only what is seen.
+    // A click at its place reaches only a visible control.
     let commands = click(&mut harness, last);
     assert!(matches!(&commands[..], [Command::Replace { title, .. }] if title == last), "{commands:?}");
 }

@@ -1,4 +1,4 @@
-//! The cost panel of a sandbox that runs: measured while it is open, and in words.
+//! The cost panel of a running sandbox: measured while it is open, and in words.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use crate::live::{SIZES, Window};
 use gelatin::app::theme::Theme;
 use gelatin::session::Command;
 
-/// Lets steps be taken for longer than it takes until costs are told.
+/// Takes steps for longer than it takes to report costs.
 fn run(window: &mut Window) {
     let session = &mut window.harness.state_mut().session;
     session.handle(Command::Play).expect("it plays");

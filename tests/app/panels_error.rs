@@ -1,4 +1,5 @@
-//! The error panel: asked for, computed elsewhere, marked with the present setting, and a click on a point takes its own.
+//! The error panel: the curve is asked for, computed elsewhere, and marked with the present setting; a click on a point
+//! applies it.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -39,7 +40,7 @@ fn says(window: &Window, words: &str) -> bool {
     window.harness.query_by_label_contains(words).is_some()
 }
 
-/// What the points are called.
+/// The names of the points.
 fn points(window: &Window) -> Vec<String> {
     let named = window.controls().into_iter().map(|(_, name, _)| name);
     named.filter(|name| name.ends_with("per simulated second")).collect()

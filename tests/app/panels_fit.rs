@@ -1,4 +1,4 @@
-//! Values of any length in the panels: nothing passes the panel's edge, and what is shown is the value.
+//! Values of any length in the panels: nothing crosses the panel's edge, and the shown text is the value.
 
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Rect};
@@ -21,13 +21,13 @@ const GREATEST: f32 = 620.0;
 /// The room that a panel leaves at its edges, points.
 const MARGIN: f32 = 12.0;
 
-/// Short ones, long ones, the least and the greatest: each parameter has the nearest one that it may be.
+/// Short and long values, the least and the greatest: each parameter takes the nearest value in its range.
 const VALUES: [f64; 7] = [0.0, 1e-6, 1.234_567_8e-5, 0.082_012_5, 1_234.567_89, 98_765_432.1, -9_876.543_21];
 
-/// What can be chosen, in the order of the list.
+/// The things that can be chosen, in the order of the list.
 const THINGS: [&str; 5] = ["Springs", "Solid", "Cow", "Ground", "Sphere"];
 
-/// Bodies of every kind and both obstacles, with one value for all that is a number.
+/// Bodies of every kind and both obstacles, with one value for every number.
 fn scene_of(value: f64) -> Scene {
     let mut scene = (presets::preset("cube-on-plane").expect("a preset").build)();
     let mut springs = scene.bodies[0].clone();
@@ -50,7 +50,7 @@ fn scene_of(value: f64) -> Scene {
     scene
 }
 
-/// All numbers that the inspector shows and that may be anything.
+/// The names of all numbers in the inspector that may have any value.
 fn numbers() -> Vec<String> {
     let families = ["structural", "shear", "bending"];
     let springs = families.iter().flat_map(|family| ["stiffness", "damping"].map(|what| format!("{family}.{what}")));
@@ -79,7 +79,7 @@ fn numbers() -> Vec<String> {
     paths
 }
 
-/// Everything that is written or can be touched right of the view, by its name.
+/// All texts and controls right of the view, by name.
 fn beside_the_view(window: &Window) -> Vec<(String, Rect)> {
     let view = window.harness.state().ui.view_rect;
     everything(window)
@@ -88,7 +88,7 @@ fn beside_the_view(window: &Window) -> Vec<(String, Rect)> {
         .collect()
 }
 
-/// Everything that is written or can be touched, by its name.
+/// All texts and controls, by name.
 fn everything(window: &Window) -> Vec<(String, Rect)> {
     let nodes = window.harness.root().children_recursive();
     let seen = nodes.filter(|node| {
@@ -114,16 +114,16 @@ fn everything(window: &Window) -> Vec<(String, Rect)> {
     named.collect()
 }
 
-/// Whether nothing of the panel passes its edges, and it has the width that it has with short values.
+/// Checks that nothing crosses the panel's edges, and that the panel is as wide as with short values.
 fn assert_inside(window: &Window, size: [f32; 2], what: &str) {
     assert_inside_of(WIDTH, window, size, what);
 }
 
-/// The same of a panel of another width.
+/// As [`assert_inside`], for a panel of another width.
 fn assert_inside_of(width: f32, window: &Window, size: [f32; 2], what: &str) {
     let view = window.harness.state().ui.view_rect;
     let [left, right] = [view.right(), view.right() + width];
-    // The harness leaves a little at the edges of its window.
+    // The harness leaves a small margin at the edges of its window.
     assert!((size[0] - 8.0 - right).abs() < 1.0, "{what}: the panel begins at {left}");
     let seen = beside_the_view(window);
     assert!(seen.len() > 5, "{what}: there is something to see: {seen:?}");
@@ -135,7 +135,7 @@ fn assert_inside_of(width: f32, window: &Window, size: [f32; 2], what: &str) {
 
 #[test]
 fn no_value_however_long_passes_the_edge_of_the_panel() {
-    // The last one is high enough for all rows.
+    // The last window is high enough for all rows.
     let sizes = [SIZES[0], SIZES[1], SIZES[2], [1280.0, 1500.0]];
     for (place, value) in VALUES.into_iter().enumerate() {
         let theme = if place % 2 == 0 { Theme::Dark } else { Theme::Light };
@@ -217,7 +217,7 @@ fn a_number_is_typed_in_all_its_digits_and_left_as_it_was() {
     window.key(Modifiers::NONE, Key::Enter);
     let edits = window.sent().into_iter().filter(|command| matches!(command, Command::Edit(_))).count();
     assert_eq!(edits, 0, "nothing was typed");
-    // A click selects all of it: what is typed takes its place.
+    // A click selects the whole text, so the typed text replaces it.
     window.click("Structural damping");
     window.enter("0.5");
     let Material::Springs(springs) = window.scene().bodies[0].material else { panic!("a body of springs") };

@@ -1,4 +1,4 @@
-//! What a body is made of, chosen by name, and how far its values may go.
+//! The material of a body, chosen by name, and the range of its values.
 
 use egui::{Key, Modifiers, Rect};
 use gelatin::app::theme::Theme;
@@ -11,7 +11,7 @@ use image::RgbaImage;
 
 use crate::live::Window;
 
-/// The button that takes a material though the body is too large for it.
+/// The button that accepts a material although the body is too large for it.
 const KEEP: &str = "Keep 1 m: it will collapse under its own weight";
 
 fn material(window: &Window) -> Material {
@@ -69,7 +69,7 @@ fn a_solids_values_are_changed_like_any_other() {
     assert!(!named, "which has no name any more");
 }
 
-/// Pixels of a part of a picture in the colour of what is not safe.
+/// Counts the pixels of a part of a picture in the colour of unsafe values.
 pub(crate) fn marked(picture: &RgbaImage, part: Rect) -> usize {
     let is_mark = |&(x, y, pixel): &(u32, u32, &image::Rgba<u8>)| {
         part.contains(egui::pos2(x as f32 + 0.5, y as f32 + 0.5))
@@ -113,7 +113,7 @@ fn pass(window: &mut Window, secs: f64) {
     window.wait();
 }
 
-/// The default cube, come to rest and chosen.
+/// The default cube, chosen after it has come to rest.
 fn rested() -> Window {
     let mut window = Window::open("cube-on-plane");
     window.click("Jelly");

@@ -1,5 +1,5 @@
-//! The modes panel: found when asked for, a slider moves the body in the view, a button lets a mode swing, time stands still
-//! meanwhile.
+//! The modes panel: modes are found on request, a slider moves the body in the view, a button lets a mode swing, time stands
+//! still meanwhile.
 
 use std::path::Path;
 use std::sync::Arc;

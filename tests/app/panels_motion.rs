@@ -1,4 +1,5 @@
-//! What a body moves by, in the inspector: chosen, found with a stop, said plainly, taken back.
+//! How a body moves, in the inspector: cells or modes are chosen, modes are found and can be stopped, explained in words,
+//! and undone.
 
 use egui_kittest::kittest::Queryable as _;
 use gelatin::app::theme::Theme;

@@ -1,4 +1,4 @@
-//! What the parts of a model are made of, chosen one by one.
+//! The materials of a model's parts, chosen one by one.
 
 use gelatin::app::theme::Theme;
 use gelatin::scene::body::{ModelShape, Part, Shape};
@@ -12,7 +12,7 @@ use crate::live::Window;
 const TWO_PARTS: &str =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl cabin\nf 1 3 2\nf 1 2 4\nusemtl tyres\nf 1 4 3\nf 2 3 4\n";
 
-/// A body of springs whose model has two parts, in a window, and the folder of its file.
+/// A window on a body of springs whose model has two parts, and the folder of its file.
 pub(crate) fn car() -> (TempDir, Window) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("car.obj");

@@ -1,4 +1,4 @@
-//! Pictures of the panels: that what is there by name is there for the eye too, in both themes.
+//! Pictures of the panels: controls that exist by name are visible, too, in both themes.
 
 use egui::Rect;
 use gelatin::app::theme::Theme;
@@ -25,7 +25,7 @@ fn lightness([red, green, blue]: [u8; 3]) -> f32 {
     (f32::from(red) + f32::from(green) + f32::from(blue)) / 765.0
 }
 
-/// How far apart the lightest and the darkest pixel are.
+/// The difference in lightness between the lightest and the darkest pixel.
 fn contrast(pixels: &[[u8; 3]]) -> f32 {
     let all = || pixels.iter().copied().map(lightness);
     all().fold(0.0, f32::max) - all().fold(1.0, f32::min)

@@ -1,4 +1,4 @@
-//! Where new things come, what the first look shows, and what becomes of bodies that fell out of the scene.
+//! Where new things are placed, what the first look shows, and what happens to bodies that fell out of the scene.
 
 use gelatin::app::hand::Target;
 use gelatin::app::theme::Theme;
@@ -93,7 +93,7 @@ fn a_copy_comes_beside_its_original_wherever_that_is_now() {
     assert!(off > 0.8 && off < 2.5 && (balls[1].y - 0.4).abs() < 1e-3, "on the ground, {off} m away: {balls:?}");
 }
 
-/// What is to be seen at the start, and from where.
+/// The picture at the start, and its camera.
 fn first_look(scene: &Scene, window: &mut Window) -> (DrawList, Orbit) {
     (window.harness.state_mut().session.draw_list(), extract::view::orbit(&scene.view.camera))
 }

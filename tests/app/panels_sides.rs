@@ -1,4 +1,4 @@
-//! The panels beside the view are made wider by their edges, and all that was arranged is found again.
+//! The panels beside the view are widened by their edges, and the arrangement is restored.
 
 use egui::{Key, Modifiers, Pos2, Rect};
 use gelatin::app::preferences::{Folders, Preferences};
@@ -34,7 +34,7 @@ fn a_panel_is_made_wider_by_its_edge_and_usual_by_a_double_click() {
     assert!((usual - wider - 50.0).abs() < 8.0, "the values begin at {wider}, not {usual}");
     for name in [LIST, VALUES] {
         window.double_click(name);
-        // Clicks that follow at once would be counted on.
+        // Clicks that follow at once would count towards a multiple click.
         window.harness.run_steps(60);
     }
     assert_eq!(view(&window), before);

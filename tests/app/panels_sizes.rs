@@ -1,4 +1,4 @@
-//! The panels in windows of all sizes and both themes: what a person needs stays inside and apart.
+//! The panels in windows of all sizes and both themes: important controls stay inside and apart.
 
 use egui::accesskit::Role;
 use gelatin::app::theme::Theme;
@@ -20,7 +20,7 @@ fn bars_keep_inside_the_window_and_nothing_in_them_lies_over_another() {
     for (size, theme) in SIZES.into_iter().flat_map(|size| [(size, Theme::Dark), (size, Theme::Light)]) {
         let window = Window::sized("cube-on-plane", size, theme);
         let view = window.harness.state().ui.view_rect;
-        // Beside the view there is more than its height holds: it scrolls.
+        // The panels beside the view hold more than its height and scroll, so only the bars are checked.
         let bottom = |rect: &egui::Rect| rect.top() >= view.bottom() && rect.left() < view.right();
         let bars = |rect: &egui::Rect| rect.bottom() <= view.top() || bottom(rect);
         let controls: Vec<_> = window.controls().into_iter().filter(|(_, _, rect)| bars(rect)).collect();

@@ -1,4 +1,4 @@
-//! What a hand does with a slider: fine and far, by drag, wheel and click, against a sandbox that really runs.
+//! Slider handling: fine and far, by drag, wheel and click, against a sandbox that really runs.
 
 use egui::accesskit::Role;
 use egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, Rect, TouchPhase, pos2, vec2};
@@ -28,7 +28,7 @@ fn structural(window: &Window) -> f64 {
     springs(window).structural.stiffness
 }
 
-/// Turns the wheel where the pointer is; up is positive.
+/// Turns the wheel at the pointer; up is positive.
 fn turn(window: &mut Window, notches: f32) {
     window.harness.event(Event::MouseWheel {
         unit: MouseWheelUnit::Line,
@@ -40,7 +40,7 @@ fn turn(window: &mut Window, notches: f32) {
     window.harness.run_steps(20);
 }
 
-/// Takes the pointer away, over the view.
+/// Moves the pointer away, over the view.
 fn leave(window: &mut Window) {
     let view = window.harness.state().ui.view_rect;
     window.harness.hover_at(view.center());
@@ -77,7 +77,7 @@ fn the_whole_range_is_a_few_pushes_away() {
         pushes += 1;
         assert!(pushes <= 4, "still {} N after {} pushes", structural(&window), pushes - 1);
         let track = window.rect("Structural stiffness slider");
-        // As far as a hand comes: to the edge of the window.
+        // A drag reaches no further than the edge of the window.
         window.drag(track.center(), pos2(SIZE[0] - 2.0, track.center().y));
         leave(&mut window);
     }
@@ -131,7 +131,7 @@ fn a_panel_that_is_scrolled_goes_on_scrolling_when_a_track_comes_under_the_point
     let (name, before) = ("Structural stiffness slider", window.scene().clone());
     let track = window.rect(name);
     let heading = window.harness.get_by_label("Structural springs").rect();
-    // Above the track, which will come by.
+    // The pointer is above the track, which will pass under it.
     window.harness.hover_at(pos2(track.center().x, heading.center().y));
     window.wait();
     for step in 0..6_u8 {
@@ -157,7 +157,7 @@ fn a_click_on_the_track_brings_the_knob_there() {
     assert!((60.0..120.0).contains(&structural(&window)), "near the end of what is shown: {}", structural(&window));
 }
 
-/// The tooltip that is shown, if any is.
+/// The tooltip that contains a text, if it is shown.
 fn tooltip(window: &Window, says: &str) -> Option<Rect> {
     let mut labels = window.harness.query_all_by_label_contains(says);
     labels.find(|node| node.accesskit_node().role() == Role::Label).map(|node| node.rect())

@@ -1,5 +1,5 @@
-//! The stability panel: looked at only while it is open, its dot follows the values, a click takes those of a place, and
-//! what is measured elsewhere lies over what is predicted.
+//! The stability panel: worked out only while it is open, its dot follows the values, a click applies the values of a place,
+//! and the measured map lies over the predicted one.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use gelatin::session::stability_map::{MapOf, Place, PlaneShown, StabilityOf, sta
 
 use crate::live::{SIZES, Window};
 
-/// What the map is called, followed by the values of the body.
+/// The name of the map, followed by the values of the body.
 const MAP: &str = "Map of stability: the body has ";
 
 fn scene() -> Scene {
@@ -48,7 +48,7 @@ fn says(window: &Window, words: &str) -> bool {
     window.harness.query_by_label_contains(words).is_some()
 }
 
-/// What the map says of the body, and where it is.
+/// The name and the place of the map.
 fn map(window: &Window) -> (String, Rect) {
     let named = window.controls().into_iter().find(|(_, name, _)| name.starts_with(MAP));
     let (_, name, rect) = named.expect("there is a map");
@@ -67,7 +67,7 @@ fn springs(window: &Window) -> Springs {
     }
 }
 
-/// Where two values are on the map, points.
+/// The place of two values on the map, points.
 fn place_of(window: &Window, at: Place) -> Pos2 {
     let (shown, (_, rect)) = (shown(window), map(window));
     let share = |[low, high]: [i32; 2], value: f64| {
@@ -186,7 +186,7 @@ fn the_words_are_those_of_the_scheme() {
 
 #[test]
 fn the_map_can_be_reached_in_every_window() {
-    // The theme moves nothing.
+    // The theme does not move anything.
     for size in SIZES {
         let window = measured(size, Theme::Dark);
         let (_, rect) = map(&window);

@@ -1,4 +1,4 @@
-//! The list of things and the menus: what they ask for is done by a sandbox that really runs.
+//! The list of things and the menus: their commands are carried out by a sandbox that really runs.
 
 use std::path::{Path, PathBuf};
 

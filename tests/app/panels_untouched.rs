@@ -1,4 +1,4 @@
-//! Looking changes nothing: whatever is opened, scrolled and closed again records no edit.
+//! Looking changes nothing: opening, scrolling and closing record no edit.
 
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2};
@@ -14,14 +14,14 @@ use crate::live::{SIZES, Window};
 /// High enough for all rows.
 const HIGH: [f32; 2] = [1280.0, 1640.0];
 
-/// What can be chosen; nothing is the scene itself.
+/// The things that can be chosen; none stands for the scene itself.
 const THINGS: [Option<&str>; 6] = [None, Some("Springs"), Some("Solid"), Some("Cow"), Some("Ground"), Some("Sphere")];
 
 /// Parts of the panel of values.
 const SECTIONS: [&str; 8] =
     ["World", "Time step", "Material", "Place", "Motion", "Shape", "Contact", "Light and camera"];
 
-/// One of each, with values of more digits than any widget shows.
+/// One thing of each kind, with values of more digits than any widget shows.
 fn scene() -> Scene {
     let preset = |name: &str| (presets::preset(name).expect("a preset").build)();
     let mut scene = preset("cube-on-plane");
@@ -46,7 +46,7 @@ fn scene() -> Scene {
     scene
 }
 
-/// Whether nothing was recorded, and nothing asked for but what lets the panels show more.
+/// Checks that nothing was recorded, and that every command asked for shows something only.
 fn assert_untouched(window: &mut Window, after: &str) {
     let asked: Vec<_> = window.sent().into_iter().filter(|command| !matches!(command, Command::WatchCost(_))).collect();
     assert!(asked.is_empty(), "after {after}: {asked:?}");
@@ -67,7 +67,7 @@ fn click_at(window: &mut Window, at: Pos2) {
     window.wait();
 }
 
-/// Where everything of a kind is that can be seen.
+/// The places of all visible controls of a kind.
 fn places_of(window: &Window, kind: Role) -> Vec<(String, Pos2)> {
     let all = window.controls().into_iter().filter(|(role, ..)| *role == kind);
     all.map(|(_, name, rect)| (name, rect.center())).collect()
@@ -133,7 +133,7 @@ fn panels_are_scrolled_without_an_edit() {
             window.press(thing);
         }
         let right = window.harness.state().ui.view_rect.right();
-        // On a track the wheel steps its value.
+        // Over a track the wheel would step its value.
         for (x, y) in [(right + 60.0, 330.0), (right + 290.0, 330.0), (right + 180.0, 100.0)] {
             for notches in [-20.0, 20.0] {
                 window.scroll(egui::pos2(x, y), notches);

@@ -1,4 +1,4 @@
-//! The values of what is chosen: sliders, typed numbers, words and flags, against a sandbox that really runs.
+//! The values of the chosen thing: sliders, typed numbers, words and flags, against a sandbox that really runs.
 
 use egui::{Key, Modifiers, pos2};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -204,7 +204,7 @@ fn the_scheme_at_work_is_shown_where_another_one_was_chosen() {
     assert_eq!(shown.as_deref(), Some("implicit Euler"), "the one that runs");
 }
 
-/// A number of a model's own, typed.
+/// Types a number into the field of a model's own value.
 fn type_into(window: &mut Window, label: &str, text: &str) {
     window.control(label).scroll_to_me();
     window.wait();

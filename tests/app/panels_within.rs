@@ -1,4 +1,4 @@
-//! Springs of their own within a body of springs: parts of its model and inlays.
+//! Regions with springs of their own in a body of springs: parts of its model and inlays.
 
 use egui::pos2;
 use gelatin::app::theme::Theme;
@@ -17,7 +17,7 @@ fn own(window: &Window) -> Springs {
     springs
 }
 
-/// A quarter as stiff and as much damped: a body bends there at once, and no step is shorter for it.
+/// Springs with a quarter of the stiffness and damping: the body bends there at once, and its steps become no shorter.
 fn softer(own: Springs) -> Springs {
     let mut springs = own;
     for family in Family::ALL {

@@ -1,4 +1,4 @@
-//! Screenshots of the window, and what is on them.
+//! Screenshots of the window, and their content.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ pub(super) struct Shot {
 }
 
 impl Shot {
-    /// Of what the picture file shows.
+    /// Opens a picture file as a screenshot.
     pub(super) fn open(path: &Path) -> Self {
         let image = image::open(path).expect("a screenshot is a picture").into_rgb8();
         let size = [image.width(), image.height()].map(|side| i32::try_from(side).expect("a small picture"));
@@ -52,17 +52,17 @@ impl Shot {
         self.size != other.size || self.within(part).any(|index| self.pixels[index] != other.pixels[index])
     }
 
-    /// The share of the view that is the raspberry of the first body.
+    /// The share of the view in the raspberry colour of the first body.
     pub(super) fn jelly_share(&self) -> f32 {
         self.jelly_share_of(self.view())
     }
 
-    /// The same for a part of the picture.
+    /// The share of a part of the picture in that colour.
     pub(super) fn jelly_share_of(&self, part: ViewRect) -> f32 {
         self.share_of(part, |[red, green, blue]| red > 120 && red > green.saturating_mul(2) && red > blue)
     }
 
-    /// The share of a part of the picture that is of some colour.
+    /// The share of a part of the picture in the wanted colours.
     pub(super) fn share_of(&self, part: ViewRect, is_wanted: impl Fn([u8; 3]) -> bool) -> f32 {
         let (mut wanted, mut all) = (0, 0);
         for index in self.within(part) {
@@ -72,10 +72,10 @@ impl Shot {
         wanted as f32 / all.max(1) as f32
     }
 
-    /// The last rows are dark and of one colour at the left edge, the rows above the bar are not.
+    /// Whether the last rows are dark and of one colour at the left edge, and the rows above the bar are not.
     pub(super) fn has_bottom_bar(&self) -> bool {
         let width = usize::try_from(self.size[0]).expect("not negative");
-        // Left of the middle lies the view, whatever panels stand beside it.
+        // The view lies left of the middle, whatever panels stand beside it.
         let row = |from_bottom: usize| self.pixels[self.pixels.len() - from_bottom * width + 2 * width / 5];
         let dark = |[red, green, blue]: [u8; 3]| red < 50 && green < 50 && blue < 50;
         dark(row(2)) && dark(row(30)) && !dark(row(60))

@@ -10,19 +10,19 @@ use glam::Vec2;
 
 use crate::shot::Shot;
 
-/// Between two events of the mouse: sent in one burst they fall into one frame and a drag is missed.
+/// Pause between two events of the mouse. Sent in one burst they would fall into one frame, and a drag would be missed.
 const HAND: Duration = Duration::from_millis(300);
-/// Longer than the program may take to do what is waited for, even on a busy machine.
+/// The longest wait for the program, even on a busy machine.
 const PATIENCE: Duration = Duration::from_mins(1);
-/// A pixel of the view, away from the panels and from what lies over the view.
+/// A pixel of the view, away from the panels and from everything over the view.
 pub(super) const IN_VIEW: [i32; 2] = [640, 200];
 /// A pixel of the jelly of the default scene, at the start and once it has landed, in a window of 1280 × 800.
 pub(super) const JELLY: [i32; 2] = [480, 370];
 /// The picture without its panels and bars.
 const BETWEEN_PANELS: ViewRect = ViewRect { origin: Vec2::new(200.0, 60.0), size: Vec2::new(720.0, 600.0) };
-/// Well above where the jelly lies.
+/// A part of the view well above the resting jelly.
 const HIGH: ViewRect = ViewRect { origin: Vec2::new(360.0, 60.0), size: Vec2::new(240.0, 220.0) };
-/// Where the stiffness of the structural springs is typed.
+/// The field for the stiffness of the structural springs.
 const STIFFNESS: [i32; 2] = [1218, 185];
 /// The button that adds a sphere.
 const ADD_SPHERE: [i32; 2] = [137, 683];
@@ -30,7 +30,7 @@ const ADD_SPHERE: [i32; 2] = [137, 683];
 pub(super) const VALUES: ViewRect = ViewRect { origin: Vec2::new(950.0, 45.0), size: Vec2::new(325.0, 700.0) };
 /// The list of bodies and obstacles.
 const LIST: ViewRect = ViewRect { origin: Vec2::new(4.0, 45.0), size: Vec2::new(180.0, 400.0) };
-/// One window at a time: screenshots of two would time out on a small machine.
+/// Only one window at a time: screenshots of two would time out on a small machine.
 pub(crate) static ALONE: Mutex<()> = Mutex::new(());
 
 #[test]
@@ -132,7 +132,7 @@ fn the_jelly_is_pulled_chosen_and_the_pull_ends_with_the_button() {
         window.wait_until("the jelly hangs from the pointer", |shot| shot.jelly_share_of(HIGH) > 0.1);
         let swings = window.view_lives();
         window.hand(&["mouseup", "1"]);
-        // From its swing it is thrown wherever it was about to go, and comes to lie there whatever the pointer does.
+        // It is thrown in the direction of its swing, and comes to rest whatever the pointer does.
         window.wait_for_view_at_rest();
         window.point_at([x, y - 100]);
         assert!(swings && !window.view_lives(), "it swings while it is held, and lies when it is not");
@@ -229,7 +229,7 @@ impl Drop for Window {
 }
 
 impl Window {
-    /// A window on a scene and options after it, with a state folder of its own or one that outlives it.
+    /// Opens a window with a scene and options after it. Its state folder is its own, or one that outlives it.
     pub(super) fn open(scene: &str, state: Option<&Path>) -> Self {
         let folder = std::env::temp_dir().join(format!("gelatin-window-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a temporary folder can be made");
@@ -270,7 +270,7 @@ impl Window {
         found.lines().last().expect("the window is there").to_owned()
     }
 
-    /// There is no window manager that would give the window the keyboard.
+    /// Gives the window the keyboard, as there is no window manager to do it.
     fn focus(&self) {
         self.click("1", IN_VIEW);
         self.hand(&["windowfocus", "--sync", &self.id()]);
@@ -288,12 +288,12 @@ impl Window {
         self.tool("xdotool", &["getwindowname", &self.id()]).trim().to_owned()
     }
 
-    /// Whether the program has ended by itself.
+    /// Whether the program has ended on its own.
     pub(super) fn has_ended(&mut self) -> bool {
         self.program.try_wait().expect("the program can be asked").is_some()
     }
 
-    /// Clicks into the middle of what has this very colour.
+    /// Clicks into the middle of the pixels of exactly this colour.
     pub(super) fn click_color(&mut self, color: [u8; 3]) {
         self.wait_until("the colour is there", |shot| !shot.places_of(color).is_empty());
         let places = self.shot().places_of(color);
@@ -329,7 +329,7 @@ impl Window {
         self.size = size;
     }
 
-    /// Takes the window from the screen and puts it back, which draws everything anew.
+    /// Unmaps the window and maps it again, which redraws everything.
     pub(super) fn hide_and_show(&self) {
         let id = self.id();
         self.tool("xdotool", &["windowunmap", "--sync", &id]);
@@ -338,7 +338,7 @@ impl Window {
         self.hand(&["windowfocus", "--sync", &id]);
     }
 
-    /// Fails where the program has ended.
+    /// Fails if the program has ended.
     pub(super) fn still_runs(&mut self) {
         if let Some(status) = self.program.try_wait().expect("the program can be asked") {
             panic!("the program ended with {status}: {}", self.log());
@@ -401,7 +401,7 @@ impl Window {
         panic!("the window does not come to rest within {PATIENCE:?}");
     }
 
-    /// Processor time the program has used, hundredths of a second.
+    /// Processor time that the program has used, hundredths of a second.
     pub(super) fn cpu_ticks(&self) -> u64 {
         let path = format!("/proc/{}/stat", self.program.id());
         let stat = std::fs::read_to_string(path).expect("the program runs");
@@ -417,7 +417,7 @@ impl Window {
 
 const INSTALL: &str = "the tests of the window need the packages `xvfb`, `xdotool` and `imagemagick`";
 
-/// A virtual display with a number that is free.
+/// Starts a virtual display with a free number.
 fn start_server(folder: &Path) -> (Child, String) {
     let number_path = folder.join("display");
     let number_file = std::fs::File::create(&number_path).expect("a file in the temporary folder");

@@ -1,10 +1,10 @@
-//! Dialogs and menus in the real window: what lies behind them hears no key and no click.
+//! Dialogs and menus in the real window: things behind them receive no key and no click.
 
 use super::window::{IN_VIEW, JELLY, VALUES, Window, alone};
 
 /// The button that opens the assistant for models.
 const ADD_MODEL: [i32; 2] = [137, 655];
-/// Where the first menu opens.
+/// The button of the first menu.
 const FILE: [i32; 2] = [30, 20];
 /// A place in the margin of every dialog.
 const DIALOG_EDGE: [i32; 2] = [345, 400];
@@ -23,7 +23,7 @@ fn what_is_chosen_survives_all_keys_in_a_dialog_and_the_escape_that_closes_a_men
         let chosen = window.shot();
         window.click("1", ADD_MODEL);
         window.wait_until("the dialog is open", |shot| shot.differs(&chosen, shot.view()));
-        // A click into its empty margin takes the keyboard from the field.
+        // A click into the dialog's empty margin takes the keyboard focus from the field.
         window.click("1", DIALOG_EDGE);
         for key in ["x", "Delete", "4", "space", "h", "r", "period", "shift+d", "ctrl+z", "t", "F1"] {
             window.key(key);

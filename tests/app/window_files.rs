@@ -18,7 +18,7 @@ fn a_scene_is_saved_edited_killed_and_recovered() {
         window.add_sphere();
         window.wait_for("the title has a mark", |window| window.title() == "• tower.ron — Gelatin");
         window.wait_for("a draft is kept", |_| drafts(state) == 1);
-        // Killed, as by a lack of memory: nothing is tidied up.
+        // The program is killed, as if for lack of memory, so nothing is tidied up.
         drop(window);
         assert_eq!(drafts(state), 1, "the draft outlives the program");
         let mut window = Window::open("cube-on-plane", Some(state));
@@ -63,7 +63,7 @@ fn closing_asks_about_changes_and_enter_saves_them() {
 
 #[test]
 fn what_was_arranged_is_found_at_the_next_start() {
-    /// In the list once it is wider, in the view while it is not.
+    /// A pixel that lies in the list once it is wider, and in the view before that.
     const BESIDE: [i32; 2] = [240, 400];
     alone(|| {
         let folder = tempfile::tempdir().expect("a folder");
@@ -74,7 +74,7 @@ fn what_was_arranged_is_found_at_the_next_start() {
         window.wait_until("the list is wider", |shot| shot.at(BESIDE) == panel);
         let kept = folder.path().join("gelatin/preferences.json");
         window.wait_for("the width is kept", |_| kept.is_file());
-        // Killed, as by a lack of memory.
+        // The program is killed, as if for lack of memory.
         drop(window);
         let mut window = Window::open("cube-on-plane", Some(folder.path()));
         window.wait_until("the list is as wide again", |shot| shot.at(BESIDE) == panel);

@@ -12,7 +12,7 @@ use super::window::{Window, alone};
 /// The most that may be lost.
 const LOST: Duration = Duration::from_secs(5);
 
-/// Kills; `GELATIN_KILLS` asks for more.
+/// Number of kills; `GELATIN_KILLS` asks for more.
 fn kills() -> u64 {
     std::env::var("GELATIN_KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(2)
 }

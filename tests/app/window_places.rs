@@ -7,9 +7,9 @@ use super::window::{IN_VIEW, Window, alone};
 
 /// The button that adds a cube.
 const ADD_CUBE: [i32; 2] = [52, 655];
-/// What lies between the panels.
+/// The part between the panels.
 const BETWEEN: ViewRect = ViewRect { origin: Vec2::new(192.0, 45.0), size: Vec2::new(750.0, 710.0) };
-/// The middle of what lies between the panels, up to the card at the bottom.
+/// The middle of the part between the panels, down to the card at the bottom.
 const HORIZON: ViewRect = ViewRect { origin: Vec2::new(192.0, 560.0), size: Vec2::new(750.0, 120.0) };
 
 /// The green of the second body.

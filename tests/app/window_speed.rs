@@ -1,16 +1,17 @@
-//! What the window's drawing leaves to the simulation, on the machine's own processors, and what it costs at rest.
+//! The speed that drawing the window leaves to the simulation, on the machine's own processors, and the window's cost at
+//! rest.
 
 use std::process::Command;
 use std::time::Duration;
 
 use super::window::{Window, alone};
 
-/// The share of what the simulation makes alone that it must make beside its window.
+/// The least speed of the simulation beside its window, as a share of its speed alone.
 const SHARE: f64 = 0.5;
-/// The factor of a simulation that keeps up; it makes no more than it is asked for.
+/// The real-time factor of a simulation that keeps up; it never runs faster than asked.
 const KEEPS_UP: f64 = 0.95;
 
-/// Simulated seconds a second without a window.
+/// Simulated seconds per second without a window.
 fn speed_alone() -> f64 {
     let output = Command::new(env!("CARGO_BIN_EXE_gelatin"))
         .args(["run", "cube-on-plane", "--seconds", "4", "--json"])
@@ -20,7 +21,7 @@ fn speed_alone() -> f64 {
     figures["real_time_factor"].as_f64().expect("a number")
 }
 
-/// The factors that the window has shown, as its log tells.
+/// The real-time factors that the window has shown, from its log.
 fn factors(log: &str) -> Vec<f64> {
     let before = log.lines().filter_map(|line| line.split_once(" x real time"));
     before.filter_map(|(before, _)| before.rsplit(' ').next()?.parse().ok()).collect()
@@ -68,7 +69,7 @@ fn panels_drawn_in_parts_look_like_panels_drawn_at_once() {
     alone(|| {
         let mut window = Window::open("u-on-sphere", None);
         window.wait_until_still();
-        // Buttons light up and fade, a menu opens and closes, what is chosen changes the inspector.
+        // Buttons light up and fade, a menu opens and closes, a new choice changes the inspector.
         for at in [[60, 20], [300, 20], [60, 720], [1150, 120], [1150, 300], [700, 780]] {
             window.point_at(at);
             std::thread::sleep(Duration::from_millis(150));

@@ -13,7 +13,7 @@ use gelatin::session::progress::Progress;
 use gelatin::session::{Command, Session, SessionError, Status};
 use gelatin::view::DrawList;
 
-/// Longer than anything here should take, even on a busy machine.
+/// The longest wait here, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A sandbox whose `advance` takes long or panics.
@@ -25,7 +25,7 @@ struct Odd {
     scene: Arc<Scene>,
     advances: Arc<AtomicUsize>,
     statuses: Arc<AtomicUsize>,
-    /// A step that never ends by itself: it looks at this after every piece of work.
+    /// Makes a step endless; the step looks at this flag after every piece of work.
     endless: Option<Arc<AtomicBool>>,
 }
 
@@ -34,7 +34,7 @@ impl Sandbox for Odd {
         match command {
             Command::Play => self.playing = true,
             Command::Pause => self.playing = false,
-            // The error of a real session that is given a bad scene.
+            // This gives the error of a real session for a bad scene.
             Command::Replace { scene, base_dir, title } => drop(Session::new(*scene, base_dir, title)?),
             _ => (),
         }
@@ -87,7 +87,7 @@ struct Bench {
     statuses: Arc<AtomicUsize>,
 }
 
-/// A sandbox in which time runs and costs nothing.
+/// A sandbox in which time runs at no cost.
 fn playing() -> Odd {
     Odd {
         playing: true,
@@ -277,7 +277,7 @@ fn a_refused_command_is_told_until_the_next_one_succeeds() {
     let shape = gelatin::scene::Shape::Model(shape);
     bad.bodies.push(gelatin::scene::Body { shape, ..Default::default() });
     bench.worker.send(Command::Replace { scene: Box::new(bad), base_dir: path, title: "bad".into() });
-    // Every value that is set sends this after it.
+    // Every edit sends this command after it.
     bench.worker.send(Command::EndEdit);
     let told = bench.wait_for(|snapshot| snapshot.answers == 2);
     assert!(told.status.message.contains("missing.obj"), "{}", told.status.message);

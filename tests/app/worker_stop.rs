@@ -1,4 +1,4 @@
-//! How soon a sandbox on its thread does what a person asks for while a substep or opening a scene takes seconds.
+//! How soon a sandbox on its thread obeys a person while a substep, or opening a scene, takes seconds.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
@@ -14,9 +14,9 @@ use gelatin::session::document::Opened;
 
 use crate::window::ALONE;
 
-/// How soon a person sees what was asked for.
+/// The longest delay until a person sees the effect of a command.
 const SOON: Duration = Duration::from_millis(200);
-/// Longer than anything here should take, even on a busy machine.
+/// The longest wait here, even on a busy machine.
 const PATIENCE: Duration = Duration::from_mins(2);
 
 /// A stiff cube that hangs by its top. The implicit integrator takes seconds for a substep of it.
@@ -27,7 +27,7 @@ const HEAVY: &str = "(version: 1, bodies: [(shape: cube(cells: 70, size: 0.5), m
 /// A model whose cells take more than a second to find.
 const LARGE: &str = "(version: 1, bodies: [(shape: model(path: \"builtin:spot.obj\", divisions: 200))])";
 
-/// A sandbox of a scene on its thread, and what it wakes.
+/// Starts a sandbox of a scene on its thread, and returns the channel of its wake-ups.
 fn start(text: &str) -> (Worker, Receiver<()>) {
     let (wake, wakes) = channel();
     let scene = Scene::from_ron(text, "scene.ron").expect("a scene");
@@ -37,7 +37,7 @@ fn start(text: &str) -> (Worker, Receiver<()>) {
     (worker, wakes)
 }
 
-/// The next snapshot that fits.
+/// The next snapshot that `fits`.
 fn wait_for(worker: &Worker, wakes: &Receiver<()>, fits: impl Fn(&Snapshot) -> bool) -> Snapshot {
     let until = Instant::now() + PATIENCE;
     while let Ok(()) = wakes.recv_timeout(until.saturating_duration_since(Instant::now())) {
@@ -73,7 +73,7 @@ fn opening_a_large_model_is_told_of_and_stops_soon() {
         assert!(worker.opening().is_none(), "it is over");
     }
     waited.sort();
-    // Another program may have had the processors once.
+    // One wait may be long, as another program may have had the processors.
     assert!(waited[3] < SOON, "{waited:?}");
 }
 
@@ -96,7 +96,7 @@ fn a_body_that_takes_long_to_make_is_told_of_and_stops_soon() {
     let begin = Instant::now();
     progress.cancel();
     let after = wait_for(&worker, &wakes, |snapshot| snapshot.answers == before.answers + 2);
-    // Counting the particles does not hear of it, and another program may have the processors.
+    // Counting the particles does not notice the stop, and another program may have the processors.
     assert!(begin.elapsed() < 5 * SOON, "after {:?}", begin.elapsed());
     assert_eq!(progress.particles(), 101 * 101 * 101, "it is said of how many");
     assert!(after.status.failed && after.status.message.contains("stopped"), "{:?}", after.status.message);
@@ -106,7 +106,7 @@ fn a_body_that_takes_long_to_make_is_told_of_and_stops_soon() {
 
 #[test]
 fn a_pause_amid_a_substep_of_seconds_is_done_within_a_fifth_of_a_second() {
-    // A window beside it draws with all the processors there are.
+    // A window running at the same time would draw with all processors.
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let (worker, wakes) = start(HEAVY);
     let wait_for = |fits: fn(&Snapshot) -> bool| wait_for(&worker, &wakes, fits);
@@ -123,7 +123,7 @@ fn a_pause_amid_a_substep_of_seconds_is_done_within_a_fifth_of_a_second() {
         wait_for(|snapshot| snapshot.status.playing);
     }
     waited.sort();
-    // The longest stretch in which nobody asks takes 0.3 s on a slow processor, and another program may have this one: what a
-    // person sees is the pause in the middle.
+    // The longest stretch without a check takes 0.3 s on a slow processor, and another program may have this one. A person's
+    // typical wait is the median of the pauses.
     assert!(waited[2] < SOON, "{waited:?}");
 }

@@ -1,4 +1,4 @@
-//! Whatever a person gives: one sentence, the right exit code, no panic, nothing overwritten.
+//! Whatever input a person gives: one sentence, the right exit code, no panic, nothing overwritten.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use crate::program::{Folder, square};
 pub(crate) const FAILED: i32 = 1;
 pub(crate) const USAGE: i32 = 2;
 
-/// Each line is refused with this code and a sentence that holds the words; no file changes.
+/// Checks that a line is refused with this code and a sentence that holds the words, and that no file changes.
 pub(crate) fn refused(folder: &Folder, line: &str, code: i32, words: &[&str]) {
     let before = listing(folder);
     let ran = folder.run(line);
@@ -96,7 +96,7 @@ fn unknown_names_and_paths_are_refused_with_the_nearest() {
     refused(&folder, "--wobble", USAGE, &["--wobble"]);
 }
 
-/// A name with an ending or a folder was meant as a file, so that no preset is what was meant.
+/// A name with an extension or a folder means a file, so no preset is suggested.
 #[test]
 fn a_file_that_is_not_there_is_said_to_be_missing() {
     let folder = Folder::new();
@@ -122,12 +122,12 @@ fn an_unknown_command_is_refused_with_the_commands_and_the_nearest() {
         );
     }
     refused(&folder, "rendr tree -o a.png", USAGE, &["did you mean render?"]);
-    // What is a scene stays one: then it is the second word that is wrong.
+    // A scene's name remains one, so the second word is wrong here.
     refused(&folder, "tree tree", USAGE, &["tree"]);
     assert!(!folder.run("tree tree").notes.contains("no command"), "tree is a scene");
 }
 
-/// The window is asked for with the same options, which are looked at before there is one.
+/// The window takes the same options, which are checked before it opens.
 #[test]
 fn options_of_the_window_are_refused_as_those_of_a_run() {
     let folder = Folder::new();

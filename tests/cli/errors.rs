@@ -1,4 +1,4 @@
-//! What the report of error against run time tells, writes, goes on with and refuses.
+//! The report of error against run time: what it prints, writes, resumes and refuses.
 
 use serde_json::Value;
 
@@ -11,7 +11,7 @@ const SCENE_KEYS: &str = "scene particles links simulated_secs size_m reference_
 const ROW_KEYS: &str =
     "integrator dt_secs steps error_rms_m wall_secs_median wall_secs_min wall_secs_max diverged pareto";
 
-/// A small cube, for time.
+/// A small cube, to save time.
 const SMALL: &str = "--set bodies.0.shape.cube.cells=2";
 
 #[test]
@@ -40,11 +40,11 @@ fn a_scene_is_measured_and_the_page_the_table_and_the_plot_are_written() {
     assert!(!folder.path("made/error.partial.jsonl").exists(), "nothing is left to go on with");
 }
 
-/// All of it as somebody first runs it, in parts of which this one has the study of cells of the hanging block.
+/// The whole report as a person first runs it, divided into parts; this part has the study of cells of the hanging block.
 #[test]
 fn without_a_scene_cells_are_weighed_against_steps() {
     let folder = Folder::new();
-    // Six scenes and four cases: the eighth piece alone.
+    // There are six scenes and four cases; this runs the eighth piece alone.
     let ran = folder.run("report error --quick --shard 8/10 -o made");
     assert_eq!(ran.code, Some(0), "{ran:?}");
     let rows = std::fs::read_to_string(folder.path("made/error.shard-8-of-10.jsonl")).expect("rows");
@@ -63,7 +63,7 @@ fn a_report_that_was_interrupted_goes_on_and_does_nothing_twice() {
     let line = format!("report error cube-on-plane incline --quick {SMALL} -o made");
     let kept = folder.interrupted(&line, "made/error.partial.jsonl", 1);
     let first: Value = serde_json::from_str(kept.lines().nth(1).expect("a scene")).expect("JSON");
-    // Wall times are never the same twice.
+    // Wall times never repeat exactly.
     let are_kept = |report: &Value| report["scenes"][0] == first["found"]["scene"];
     let report = folder.json(&format!("{line} --json"));
     assert!(are_kept(&report), "the first scene is not measured again");

@@ -1,4 +1,4 @@
-//! A simulation that explodes: the same exit code and the same words whatever was asked for.
+//! A simulation that explodes: the same exit code and the same words for every command.
 
 use crate::bad_input::FAILED;
 use crate::program::Folder;

@@ -1,4 +1,4 @@
-//! What the commands print.
+//! The figures that the commands print.
 
 use std::io::Read;
 use std::process::{Command, Stdio};
@@ -84,7 +84,7 @@ fn what_is_printed_for_a_person_is_plain_english() {
     assert_eq!(folder.json("check cube-on-plane --dt 1e-5 --json")["limited_by"], "user", "as scripts know it");
 }
 
-/// A tent that lies on its side where y is up.
+/// A tent that lies on its side if y is up.
 const LYING: &str = "v 0 0 0\nv 4 0 0\nv 4 2 0\nv 0 2 0\nv 2 1 3\nf 1 2 3 4\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n";
 
 #[test]
@@ -113,10 +113,10 @@ fn a_model_with_z_up_is_stood_up_and_its_cells_are_written_where_it_lies() {
 #[test]
 fn a_model_weighs_what_is_in_it_in_any_number_of_divisions() {
     let folder = Folder::new();
-    // A pyramid of 8 in its file's own units, 4 of which are 1 m.
+    // A pyramid of 8 cubic units of its file; 4 units of length are 1 m.
     folder.write("tent.obj", LYING);
     let of = |command: &str, key: &str| folder.json(&format!("{command} --json"))[key].as_f64().expect("a figure");
-    // Edges so sharp that they are more than a cell away from any that is filled weigh nothing.
+    // Edges so sharp that they are more than a cell away from any filled cell are missing from the mass.
     let near = |found: f64, exact: f64, what: &str| assert!((found / exact - 1.0).abs() < 5e-4, "{what}: {found}");
     for divisions in [7, 20, 40] {
         let options = format!("tent.obj --divisions {divisions}");
@@ -198,7 +198,7 @@ fn check_says_of_every_error_where_it_is_and_has_all_keys_then_too() {
 #[test]
 fn the_energies_of_a_runs_table_add_up() {
     let folder = Folder::new();
-    // Thrown so hard that cells are pushed back to shape.
+    // The throw is so hard that cells are pushed back to shape.
     let ran = folder.run("run cube-on-plane --seconds 0.06 --set bodies.0.velocity=(0,-40,0)");
     let line = ran.figures.lines().find(|line| line.starts_with("energy")).expect("energies");
     let numbers: Vec<f64> = line.split([' ', ',', ')']).filter_map(|word| word.parse().ok()).collect();
@@ -213,7 +213,7 @@ fn a_picture_has_a_number_at_the_upper_end_of_its_legend() {
     let ran = folder.run("render cube-on-plane --at 0.3 --color load -o load.png");
     assert_eq!(ran.code, Some(0), "{ran:?}");
     let picture = image::open(folder.path("load.png")).expect("a picture").to_rgb8();
-    // Below the bar's right end; the bar is 240 long and begins at 28.
+    // The ink below the right end of the bar, which is 240 long and begins at 28.
     let ink = |x: std::ops::Range<u32>| {
         let pixels = x.flat_map(|x| (756..776).map(move |y| (x, y)));
         pixels.filter(|&(x, y)| picture.get_pixel(x, y).0.iter().all(|&byte| byte < 90)).count()

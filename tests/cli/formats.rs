@@ -1,4 +1,4 @@
-//! Models in every format: one tetrahedron, and the same cells.
+//! Models in every format: one tetrahedron, always filled with the same cells.
 
 use serde_json::Value;
 
@@ -8,7 +8,7 @@ use crate::program::Folder;
 const PLACES: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [3.0, 0.0, 0.0], [0.0, 0.0, 5.0]];
 const FACES: [[u8; 3]; 4] = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
 
-/// Numbers of one line of a text.
+/// The numbers of one line of a text.
 fn line<T: ToString>(numbers: &[T]) -> String {
     numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
@@ -38,7 +38,7 @@ fn ply() -> String {
     )
 }
 
-/// A text, and the file beside it.
+/// A glTF text, and the file of its data.
 fn gltf() -> (String, Vec<u8>) {
     let text = r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
@@ -58,7 +58,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// What does not depend on the clock and the name.
+/// The part of a report that does not depend on the clock and the name.
 fn lasting(mut report: Value) -> Value {
     for key in ["model", "scene", "wall_secs"] {
         report.as_object_mut().expect("an object").remove(key);

@@ -1,4 +1,4 @@
-//! The program killed at random moments while it writes: what is on the disk is whole, the old or the new.
+//! The program killed at random moments while it writes: the file on the disk is whole, either the old one or the new one.
 
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -7,7 +7,7 @@ use gelatin::math::rng::Rng;
 
 use crate::program::Folder;
 
-/// Kills; `GELATIN_KILLS` asks for more.
+/// Number of kills; `GELATIN_KILLS` asks for more.
 fn kills() -> u64 {
     std::env::var("GELATIN_KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(8)
 }
@@ -33,7 +33,7 @@ fn a_state_is_whole_whenever_the_program_is_killed() {
             .stderr(Stdio::null())
             .spawn()
             .expect("the program starts");
-        // The writing is at the end.
+        // The program writes at its end.
         std::thread::sleep(whole.mul_f64(rng.between(0.5, 1.1)));
         survived += u64::from(child.try_wait().expect("a child").is_some());
         child.kill().expect("ours");

@@ -1,4 +1,4 @@
-//! What a person gives never takes the machine: runs under a limit of memory and processor time.
+//! Input never overwhelms the machine: runs under a limit of memory and processor time.
 
 use std::fmt::Write as _;
 

@@ -1,11 +1,11 @@
-//! `gelatin modes`: frequencies, pictures, and what it refuses; scenes whose bodies move by their modes.
+//! `gelatin modes`: frequencies, pictures, and refusals; scenes whose bodies move by their modes.
 
 use serde_json::Value;
 
 use crate::bad_input::{FAILED, USAGE, refused};
 use crate::program::Folder;
 
-/// A cube whose links are all as stiff as that, held where `pins` say.
+/// A cube whose links all have this stiffness, held where `pins` say.
 fn cube(stiffness: f64, pins: &str) -> String {
     let spring = format!("(stiffness: {stiffness}, damping: 0.1)");
     format!(

@@ -1,4 +1,4 @@
-//! The comparison with another engine, and its refusal by a program that was built without one.
+//! The comparison with another engine, and its refusal by a program built without one.
 
 #[cfg(not(feature = "peers"))]
 #[test]

@@ -1,4 +1,4 @@
-//! Running the program in a folder of its own.
+//! Runs the program in a folder of its own.
 
 use std::fs;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 /// A folder to run the program in.
 pub(crate) struct Folder(TempDir);
 
-/// What a run left behind.
+/// The results of a run.
 #[derive(Debug)]
 pub(crate) struct Ran {
     pub(crate) code: Option<i32>,
@@ -18,7 +18,7 @@ pub(crate) struct Ran {
     pub(crate) notes: String,
 }
 
-/// What a run may take.
+/// The limits of a run.
 #[cfg(target_os = "linux")]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
@@ -42,17 +42,17 @@ impl Folder {
         self
     }
 
-    /// Runs the program there, with the words of `line` as arguments; nobody listens to a window.
+    /// Runs the program there, with the words of `line` as arguments and without a display.
     pub(crate) fn run(&self, line: &str) -> Ran {
         self.run_with(line, &[])
     }
 
-    /// The same with more in its environment.
+    /// As [`Folder::run`], with more variables in its environment.
     pub(crate) fn run_with(&self, line: &str, environment: &[(&str, &str)]) -> Ran {
         self.ran(Command::new(env!("CARGO_BIN_EXE_gelatin")).envs(environment.iter().copied()), line)
     }
 
-    /// The same with no more memory and processor time than this: one that wants more dies, and has no exit code.
+    /// As [`Folder::run`], within limits of memory and processor time. A run that exceeds them dies and has no exit code.
     #[cfg(target_os = "linux")]
     pub(crate) fn run_within(&self, limits: Limits, line: &str) -> Ran {
         let limited = format!("ulimit -v {}; ulimit -t {}; exec \"$@\"", limits.mebibytes << 10, limits.secs);
@@ -86,7 +86,7 @@ impl Folder {
             .expect("the program starts");
         let kept = || fs::read_to_string(self.path(kept)).unwrap_or_default();
         let until = Instant::now() + Duration::from_mins(2);
-        // The first line says what is measured. One without its end is being written.
+        // The first line names the measurement. A line without its end is still being written.
         while kept().matches('\n').count() < 1 + pieces {
             assert!(program.try_wait().expect("it can be asked").is_none(), "it ended before it was interrupted");
             assert!(Instant::now() < until, "the first pieces take too long");

@@ -1,4 +1,4 @@
-//! The commands that the README names are ones that the program knows.
+//! The commands named in the README are known to the program.
 
 use std::ffi::OsString;
 
@@ -11,7 +11,7 @@ struct Named {
     is_mention: bool,
 }
 
-/// The commands in a text: lines of code blocks, and what stands between backticks.
+/// The commands in a text: lines of code blocks, and text between backticks.
 fn named(text: &str) -> Vec<Named> {
     let mut found = Vec::new();
     let joined = text.replace("\\\n", " ");
@@ -19,7 +19,7 @@ fn named(text: &str) -> Vec<Named> {
         if index % 2 == 1 {
             found.extend(block.lines().filter_map(command).map(|words| Named { words, is_mention: false }));
         } else {
-            // A line that ends within backticks goes on in the next one.
+            // A span between backticks may continue on the next line.
             let prose = block.replace('\n', " ");
             let spans: Vec<&str> = prose.split('`').skip(1).step_by(2).collect();
             found.extend(spans.into_iter().filter_map(command).map(|words| Named { words, is_mention: true }));
@@ -28,7 +28,7 @@ fn named(text: &str) -> Vec<Named> {
     found
 }
 
-/// The words of the call of gelatin in a line: up to a comment and to what other programs take, blanks filled in.
+/// The words of the call of gelatin in a line, up to a comment or another program's part, with placeholders filled in.
 fn command(line: &str) -> Option<Vec<String>> {
     let line = line.split(" #").next().unwrap_or_default().trim();
     let at = if line.starts_with("parallel ") { line.find("gelatin ")? } else { 0 };

@@ -1,4 +1,4 @@
-//! What scenes cost, as the command tells it.
+//! The cost of scenes, as the command reports it.
 
 use serde_json::Value;
 
@@ -12,7 +12,7 @@ const SCENE_KEYS: &str = "scene particles links simulated_secs substeps link_for
 const STAGE_KEYS: &str = "name ran count secs share";
 const ABLATION_KEYS: &str = "feature per secs_on secs_off change within_noise same_bits must_be_same";
 
-/// A small cube, for time.
+/// A small cube, to save time.
 const SMALL: &str = "--quick --json --set bodies.0.shape.cube.cells=2";
 
 fn list<'a>(object: &'a Value, key: &str) -> &'a [Value] {
@@ -92,7 +92,7 @@ fn a_person_reads_tables_and_finds_them_in_the_folder() {
     assert!(columns.iter().all(|&count| count == 11), "{columns:?}: {table}");
     let plot = written("cost.svg");
     assert!(plot.starts_with("<svg") && plot.contains("incline") && plot.contains("broad phase"), "a picture");
-    // A median of pairs with their spread, or no claim at all.
+    // Every change is a median of pairs with their spread, or no claim at all.
     let changes = ran.figures.lines().filter(|line| line.contains("| substep |"));
     assert!(
         changes.clone().count() > 8 && changes.clone().all(|line| line.contains('(') && line.contains(" to ")),
@@ -100,7 +100,7 @@ fn a_person_reads_tables_and_finds_them_in_the_folder() {
     );
 }
 
-/// One definition of what every report takes: the same words in the help of each.
+/// All reports define their common options once: the same words in the help of each.
 #[test]
 fn every_report_takes_the_same_options() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! Measurements in parts: `--shard K/N` and `gelatin report merge` give what one process gives, but for times.
+//! Measurements in parts: `--shard K/N` and `gelatin report merge` give the same as one process, except for times.
 
 use std::process::Command;
 
@@ -7,10 +7,10 @@ use serde_json::Value;
 use crate::bad_input::{FAILED, USAGE, refused};
 use crate::program::Folder;
 
-/// A small cube, for time.
+/// A small cube, to save time.
 const SMALL: &str = "--quick --set bodies.0.shape.cube.cells=2";
 
-/// The same without what a clock said.
+/// A report without the values that depend on the clock.
 fn timeless(value: &Value) -> Value {
     match value {
         Value::Object(fields) => {
@@ -86,7 +86,7 @@ fn what_does_not_belong_together_is_not_merged() {
     refused(&folder, "report merge . -o made", FAILED, &["damaged.shard-1-of-2.jsonl"]);
 }
 
-/// The line of the README, with two jobs; `.ci/setup` installs GNU parallel.
+/// Runs the line of the README with two jobs; `.ci/setup` installs GNU parallel.
 #[test]
 fn gnu_parallel_shares_a_report_out_among_processes() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! What the stability report tells, writes and refuses.
+//! The stability report: what it prints, writes and refuses.
 
 use serde_json::Value;
 
@@ -11,7 +11,7 @@ const CASE_KEYS: &str = "case dt_limit_predicted_secs dt_limit_measured_secs rat
 const RANDOM_KEYS: &str = "seed scenes passed cut_short not_finite energy reach work slowed sound_in_double largest_gain_passed \
     wall_secs failures";
 
-/// A small cube, for time.
+/// A small cube, to save time.
 const SMALL: &str = "--quick --set bodies.0.shape.cube.cells=2";
 
 #[test]

@@ -1,4 +1,4 @@
-//! Parameter studies: a row for every combination, a picture, nothing done twice, what is refused.
+//! Parameter studies: a row for every combination, a picture, nothing done twice, refusals.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::bad_input::{FAILED, USAGE, refused};
 use crate::program::Folder;
 
-/// A small cube, for time.
+/// A small cube, to save time.
 const SMALL: &str = "--set bodies.0.shape.cube.cells=2";
 const STIFFNESS: &str = "bodies.0.material.springs.structural.stiffness";
 

@@ -1,9 +1,9 @@
-//! What strangers can give, mutated: model files, scenes, states and `--set` values. Each case runs in a child process
-//! under a limit of memory, and within a limit of processor time of its own; none may panic, want more, or leave
-//! behind what the program itself never makes.
+//! Mutated input from strangers: model files, scenes, states and `--set` values. Each case runs in a child process under a
+//! limit of memory, and within a limit of processor time of its own. No case may panic, exceed the limits, or produce a
+//! state that the program itself never makes.
 //!
-//! The seeds are fixed. `GELATIN_FUZZ_SECONDS=600 cargo test --release --test fuzz` goes on for that long with every
-//! target, from a seed drawn then or given as `GELATIN_FUZZ_SEED`. What failed is written to `target/tmp`.
+//! The seeds are fixed. `GELATIN_FUZZ_SECONDS=600 cargo test --release --test fuzz` runs more cases of every target for that
+//! long, from a random seed or from `GELATIN_FUZZ_SEED`. Failing inputs are written to `target/tmp`.
 
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
@@ -22,7 +22,7 @@ use targets::Target;
 /// The seed of the cases that always run.
 const SEED: u64 = 20_261_122;
 
-/// Runs some cases of the fixed seed, and more of another one where a person asks for that.
+/// Runs some cases of the fixed seed, and more of another seed if a person asks for that.
 fn check(target: Target, count: u64) {
     let begin = Instant::now();
     let mut faults = run(target, SEED, 0..count);
@@ -94,7 +94,7 @@ fn a_case_that_panics_or_eats_memory_or_never_ends_is_found() {
     assert!(faults[0].how.contains("it is planted"), "{faults:#?}");
 }
 
-/// Not a test by itself: the cases that a test gives to a process of its own.
+/// Not a test of its own: runs the cases that another test gives to a child process.
 #[test]
 #[ignore = "run by the other tests, in processes of their own"]
 fn child() {

@@ -1,4 +1,4 @@
-//! Model files in every format but OBJ: good ones written here, with a few changes.
+//! Model files in every format except OBJ: good ones written here, with a few changes.
 
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 use gelatin::math::rng::Rng;
@@ -86,7 +86,7 @@ const GLTF_WORDS: [&str; 18] = [
     "\"normalized\":true,",
 ];
 
-/// Bytes that are lengths, counts, indices and coordinates at which programs break.
+/// Lengths, counts, indices and coordinates, as bytes, at which programs break.
 const NUMBERS: [u32; 10] = [
     0,
     1,

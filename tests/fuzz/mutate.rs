@@ -35,15 +35,15 @@ pub(crate) fn below(rng: &mut Rng, end: usize) -> usize {
     usize::try_from(rng.next_u64() % end as u64).expect("it fits")
 }
 
-/// One of some things.
+/// Picks one of some things.
 pub(crate) fn pick<'a, T>(rng: &mut Rng, of: &'a [T]) -> &'a T {
     &of[below(rng, of.len())]
 }
 
-/// One of some good texts with a few changes; `words` are those of its language.
+/// One of some good texts with a few changes; `words` are the words of its language.
 pub(crate) fn text(rng: &mut Rng, good: &[&str], words: &[&str]) -> Vec<u8> {
     let mut text = good[below(rng, good.len())].as_bytes().to_vec();
-    // Half of the texts keep their form, or hardly any would be read to their end.
+    // Half of the texts keep their form, as hardly any of the others are read to their end.
     let kinds = if below(rng, 2) == 0 { 8..11 } else { 0..11 };
     for _ in 0..=below(rng, 6) {
         match kinds.start + below(rng, kinds.len()) {
@@ -63,7 +63,7 @@ pub(crate) fn text(rng: &mut Rng, good: &[&str], words: &[&str]) -> Vec<u8> {
             }
             4 => text.truncate(below(rng, text.len() + 1)),
             5 => {
-                // Deep or long.
+                // This makes the text deep or long.
                 let repeated = pick(rng, words).repeat(1 << below(rng, 14));
                 insert(rng, &mut text, repeated.as_bytes());
             }
@@ -95,7 +95,7 @@ pub(crate) fn bytes(rng: &mut Rng, text: &mut Vec<u8>) {
     }
 }
 
-/// Puts another number where one is.
+/// Replaces a number by another one.
 pub(crate) fn number(rng: &mut Rng, text: &mut Vec<u8>) {
     let is_part = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'-' | b'e');
     let starts: Vec<usize> =
@@ -113,7 +113,7 @@ fn insert(rng: &mut Rng, text: &mut Vec<u8>, piece: &[u8]) {
     text.splice(at..at, piece.iter().copied());
 }
 
-/// A short piece, by its places.
+/// The range of a short piece.
 pub(crate) fn piece(rng: &mut Rng, of: &[u8]) -> std::ops::Range<usize> {
     let start = below(rng, of.len() + 1);
     start..start + below(rng, (of.len() - start).min(40) + 1)

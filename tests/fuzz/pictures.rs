@@ -1,4 +1,4 @@
-//! Pictures and the material files that name them: good ones written here, with a few changes.
+//! Pictures and the material files that refer to them: good ones written here, with a few changes.
 
 use gelatin::math::rng::Rng;
 use image::codecs::jpeg::JpegEncoder;
@@ -8,7 +8,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use crate::models::changed;
 use crate::mutate::{below, pick, text};
 
-/// What comes before the chunks of a PNG file, bytes.
+/// Length of the signature before the chunks of a PNG file, bytes.
 const PNG_SIGNATURE: usize = 8;
 
 const MATERIALS: [&str; 3] = [
@@ -47,7 +47,7 @@ pub(crate) struct Painted {
 }
 
 impl Painted {
-    /// One of the two has changes.
+    /// Draws a model of which either the materials or the picture have changes.
     pub(crate) fn draw(rng: &mut Rng) -> Self {
         if below(rng, 2) == 0 {
             return Self { materials: text(rng, &MATERIALS, &MATERIAL_WORDS), picture: good(rng) };
@@ -55,7 +55,7 @@ impl Painted {
         Self { materials: pick(rng, &MATERIALS).as_bytes().to_vec(), picture: changed_picture(rng) }
     }
 
-    /// Both in one, for a case to be written down.
+    /// Both files in one, for writing down a case.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let length = u32::try_from(self.materials.len()).expect("short").to_le_bytes();
         [&length[..], &self.materials, &self.picture].concat()
@@ -91,8 +91,7 @@ fn good(rng: &mut Rng) -> Vec<u8> {
     file
 }
 
-/// The same with changes; those of a PNG file often with the check sums that belong to them, or nothing would be read
-/// further.
+/// A picture with changes. A changed PNG file often gets correct check sums, as otherwise nothing after them would be read.
 fn changed_picture(rng: &mut Rng) -> Vec<u8> {
     let good = good(rng);
     let mut file = changed(rng, good);
@@ -126,7 +125,7 @@ fn a_changed_chunk_is_read_with_its_own_check_sum() {
     let mut file = Vec::new();
     PngEncoder::new(&mut file).write_image(&[9; 4], 2, 2, ExtendedColorType::L8).expect("memory refuses nothing");
     let whole = file.clone();
-    // The first chunk's check sum is behind its length, its name and its thirteen bytes.
+    // The first chunk's check sum follows its length, its name and its thirteen bytes.
     file[PNG_SIGNATURE + 8 + 13] ^= 1;
     assert!(image::load_from_memory(&whole).is_ok() && image::load_from_memory(&file).is_err());
     mend_check_sums(&mut file);

@@ -1,4 +1,4 @@
-//! Cases in child processes under limits; where a child dies, the case it was at is run alone.
+//! Runs cases in child processes under limits. If a child dies, its last case is run again alone.
 
 use std::fs::{self, File};
 use std::ops::Range;
@@ -14,13 +14,13 @@ use crate::targets::Target;
 
 /// Address space of a child, MiB.
 const MEBIBYTES: u64 = 1500;
-/// How often a child looks whether its case has taken too much processor time.
+/// How often the processor time of a child's case is checked.
 const LOOK: Duration = Duration::from_millis(100);
-/// Wall time after which a child is not waited for any more where it waits for something itself: on a busy machine one
-/// that works may get next to no processor time.
+/// The longest wait, in wall time, for a child that is waiting itself. A child at work has no such limit: on a busy machine
+/// it may get next to no processor time.
 const WALL: Duration = Duration::from_mins(5);
 
-/// Where a child finds what it is to do, and where it says which case it is at.
+/// Environment variables: the task of a child, and the file in which it notes its present case.
 const TASK: &str = "GELATIN_FUZZ_TASK";
 const PLACE: &str = "GELATIN_FUZZ_PLACE";
 
@@ -31,13 +31,13 @@ pub(crate) struct Fault {
     pub(crate) target: Target,
     pub(crate) seed: u64,
     pub(crate) case: u64,
-    /// What the child said last, and how it ended.
+    /// The child's last words, and how it ended.
     pub(crate) how: String,
-    /// The input, written down.
+    /// The file that holds the input.
     pub(crate) input: PathBuf,
 }
 
-/// Runs cases of a target. The ones that fail.
+/// Runs cases of a target and returns those that fail.
 pub(crate) fn run(target: Target, seed: u64, cases: Range<u64>) -> Vec<Fault> {
     let folder = tempfile::tempdir().unwrap();
     let mut faults = Vec::new();
@@ -47,7 +47,7 @@ pub(crate) fn run(target: Target, seed: u64, cases: Range<u64>) -> Vec<Fault> {
         if ended.is_ok() {
             break;
         }
-        // A child may have died of the cases before.
+        // The child may have died of earlier cases, so this case is run alone.
         let (_, alone) = spawn(folder.path(), target, seed, place..place + 1);
         if let Err(how) = alone {
             let input = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{target:?}-{seed}-{place}"));
@@ -59,7 +59,7 @@ pub(crate) fn run(target: Target, seed: u64, cases: Range<u64>) -> Vec<Fault> {
     faults
 }
 
-/// Runs cases in one child. The last case it was at, and how it ended if not well.
+/// Runs cases in one child. Returns the last case that it began, and how it ended if it failed.
 fn spawn(folder: &Path, target: Target, seed: u64, cases: Range<u64>) -> (u64, Result<(), String>) {
     let (place, said) = (folder.join("place"), folder.join("said"));
     fs::write(&place, cases.start.to_le_bytes()).unwrap();
@@ -70,7 +70,7 @@ fn spawn(folder: &Path, target: Target, seed: u64, cases: Range<u64>) -> (u64, R
         .args(["child", "--exact", "--ignored", "--nocapture", "--test-threads=1"])
         .env(TASK, format!("{target:?} {seed} {} {}", cases.start, cases.end))
         .env(PLACE, &place)
-        // Threads that reserve memory which they do not use.
+        // These keep threads from reserving memory that they do not use.
         .env("MALLOC_ARENA_MAX", "2")
         .env("RAYON_NUM_THREADS", "1")
         .env("RUST_BACKTRACE", "0")
@@ -103,7 +103,7 @@ fn wait(mut child: Child) -> Option<ExitStatus> {
     None
 }
 
-/// Whether a thread of a process runs or would if it were let: the third field of its `stat`, after its name in brackets.
+/// Whether a thread of a process runs or could run: the third field of its `stat`, after its name in brackets.
 fn is_at_work(process: u32) -> bool {
     let Ok(threads) = fs::read_dir(format!("/proc/{process}/task")) else { return false };
     threads.flatten().filter_map(|thread| fs::read_to_string(thread.path().join("stat")).ok()).any(|stat| {
@@ -125,7 +125,7 @@ fn a_child_that_waits_is_not_at_work_and_one_that_counts_is() {
     assert_eq!(seen, [false, true]);
 }
 
-/// What a child does.
+/// The work of a child.
 pub(crate) fn child() {
     let task = std::env::var(TASK).expect("it is run by the other tests");
     let words: Vec<&str> = task.split(' ').collect();

@@ -1,4 +1,4 @@
-//! What is given to the program in every case, and what must hold of what it makes of it.
+//! The input of every case, and the checks of its outcome.
 
 use std::io;
 use std::path::PathBuf;
@@ -16,22 +16,22 @@ use crate::models;
 use crate::mutate::{below, bytes, extreme, pick, text};
 use crate::pictures::Painted;
 
-/// Who is given something.
+/// The part of the program that gets the input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
-    /// The reader of OBJ files, and what fills their meshes with cells.
+    /// The reader of OBJ files, and the filling of their meshes with cells.
     Obj,
-    /// The same of STL files, text and binary.
+    /// As `Obj`, for STL files, text and binary.
     Stl,
-    /// The same of PLY files, text and binary in both orders of bytes.
+    /// As `Obj`, for PLY files, text and binary in both byte orders.
     Ply,
-    /// The same of glTF files, text and binary.
+    /// As `Obj`, for glTF files, text and binary.
     Gltf,
     /// The readers of an OBJ file's materials and of the pictures that they name.
     Materials,
     /// The reader of scenes, and the sandbox that opens them.
     Scene,
-    /// The reader of states, and the simulation that goes on from them.
+    /// The reader of states, and the simulation that continues from them.
     State,
     /// `--set`.
     Set,
@@ -47,7 +47,7 @@ const MODELS: [&str; 3] = [
     "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0.5 0.5 2\nf 1 2 3 4 5 6\nf 1 2 7\nf 2 3 4 7\nf 4 5 6 7\nf 6 1 7\n",
 ];
 
-/// A triangle that is painted by a material of a file beside it.
+/// A triangle painted by a material of a file beside it.
 const PAINTED: &str = "mtllib a.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 1 1 1\nvt 0 0\nvt 1 0\nvt 0.5 7\nf 1/1 2/2 3/3\n";
 
 const MODEL_WORDS: [&str; 16] =
@@ -142,7 +142,7 @@ impl Target {
         Self::Planted,
     ];
 
-    /// What a case may take.
+    /// The most processor time of a case.
     pub(crate) fn processor_time(self) -> Duration {
         Duration::from_secs(if self == Self::Planted { 1 } else { 10 })
     }
@@ -180,7 +180,7 @@ impl Target {
         }
     }
 
-    /// The faults that are planted.
+    /// Runs a case of planted faults.
     pub(crate) fn try_case(self, case: u64) {
         match case {
             3 if self == Self::Planted => panic!("it is planted"),
@@ -194,7 +194,7 @@ impl Target {
     }
 }
 
-/// What is said is one short text that steers no terminal.
+/// Checks that a message is one short text without terminal escapes.
 fn check_words(words: &str) {
     assert!(words.len() < 2500, "{} bytes are said", words.len());
     assert!(!words.is_empty() && !words.contains('\u{1b}'), "{words:?}");
@@ -227,7 +227,7 @@ fn try_model(imported: Result<Imported, ImportError>) {
     }
 }
 
-/// A triangle, with what it is painted by beside it.
+/// Reads a triangle with its material file and picture.
 fn try_painted(painted: &Painted) {
     let imported = load_held(painted, "m.obj", Detail::Pictures, &()).expect("the model itself is whole");
     assert_eq!(imported.mesh.triangles.len(), 1, "none is lost");
@@ -268,8 +268,8 @@ fn try_scene(input: &[u8]) {
     }
 }
 
-/// The scenes that states are of: two small bodies, one of them watched, on a plane; a modal body beside one that meets
-/// a moving obstacle with its mesh and itself, and keeps its accelerations.
+/// The scenes of the states: two small bodies, one of them watched, on a plane; a modal body beside a body that meets
+/// itself, meets a moving obstacle with its mesh, and keeps its accelerations.
 const OF_STATES: [&str; 2] = [
     "(version: 1, bodies: [(shape: cube(cells: 2)), (shape: cube(cells: 1), pose: (position: (3, 1, 0)))], \
      obstacles: [(plane: ())])",
@@ -288,7 +288,7 @@ fn session(text: &str) -> Session {
     session
 }
 
-/// A state with changes, sealed anew in most cases.
+/// A state with changes, in most cases sealed again.
 fn state(rng: &mut Rng) -> Vec<u8> {
     let mut session = session(OF_STATES[below(rng, OF_STATES.len())]);
     for _ in 0..below(rng, 4) * 40 {
@@ -329,7 +329,7 @@ fn state(rng: &mut Rng) -> Vec<u8> {
     state
 }
 
-/// Gives a state to a session of its own scene, and to those of others.
+/// Loads a state into a session of its own scene, and into those of others.
 fn try_state(input: &[u8]) {
     for scene in OF_STATES {
         try_state_with(session(scene), input);
@@ -345,7 +345,7 @@ fn try_state_with(mut session: Session, input: &[u8]) {
     }
     assert!(session.simulation().diagnostics().finite, "what is taken up is finite");
     let begun = session.simulation().state().steps;
-    // A step ends, or the simulation says that it is broken.
+    // Either the step ends, or the simulation reports that it is broken.
     assert!(!session.step() || session.simulation().state().steps > begun, "a step is a step");
     session.step();
     assert!(session.simulation().state().position.iter().all(|at| at.is_finite()), "it stays finite");

@@ -35,8 +35,8 @@ fn free_fall_is_that_of_the_scheme_and_nearly_that_of_newton() {
 
 #[test]
 fn a_chain_of_two_layers_swings_with_the_frequency_of_its_spring() {
-    // A single cell with structural links only: pulled apart along x, its halves swing against each other on four
-    // links: w² = 2 k/(l m) for each pair of particles.
+    // A single cell with structural links only: pulled apart along x, its halves swing against each other on four links: w²
+    // = 2 k/(l m) for each pair of particles.
     let (k, mass, size, dt) = (50.0, 0.2, 0.5, 1e-4);
     let mut constants = springs(0.0, 0.0, mass);
     constants.structural.stiffness = k;
@@ -48,7 +48,7 @@ fn a_chain_of_two_layers_swings_with_the_frequency_of_its_spring() {
     let omega = (2.0 * k / (size * mass)).sqrt();
     let period = std::f64::consts::TAU / omega;
     run(&mut simulation, (period / dt).round() * dt);
-    // One period later it is where it began, to the half step that velocity lags behind.
+    // One period later it is back at the start, up to the half step by which the velocity lags behind.
     let relative = stretch(&simulation) / (0.02 * size);
     assert!((relative - 1.0).abs() < omega * dt, "a full swing: {relative}");
 }
@@ -142,6 +142,6 @@ fn held_particles_stay_and_the_rest_hangs() {
     assert!(held.iter().all(|&p| simulation.state().position[p] == before.position[p]), "held exactly");
     let lowest = simulation.diagnostics().bounds.min.y;
     assert!(lowest < -0.5 && lowest > -0.6, "the rest sags a little: {lowest}");
-    // The weight of all free layers hangs on the top: no more motion.
+    // The weight of all free layers hangs on the top, and nothing moves.
     assert!(simulation.diagnostics().max_speed < 1e-6, "and comes to rest");
 }

@@ -17,7 +17,7 @@ fn a_pressed_ball_comes_nearer_to_hertz_the_finer_its_cells_are() {
     }
 }
 
-/// A ball of so many cells across, 1 m large and undamped, at this place along x (m) and so fast along it (m/s).
+/// A ball of `cells` cells across, 1 m large and undamped, at this place along x (m) and with this speed along x (m/s).
 fn ball(cells: i32, at: f64, speed: f64) -> Body {
     let off_middle = |cell: i32| f64::from(2 * cell + 1 - cells);
     let is_in =
@@ -32,7 +32,7 @@ fn ball(cells: i32, at: f64, speed: f64) -> Body {
     }
 }
 
-/// Bodies without weight that meet nothing but each other.
+/// Weightless bodies that meet only each other.
 fn meeting(bodies: [Body; 2]) -> Scene {
     let mut scene = falling(Body::default());
     scene.settings.gravity = [0.0; 3];
@@ -42,7 +42,7 @@ fn meeting(bodies: [Body; 2]) -> Scene {
 
 #[test]
 fn equal_balls_exchange_their_speeds_the_better_the_rounder_they_are() {
-    // What the first keeps of its momentum when it meets one that rests.
+    // The share of its momentum that the first ball keeps when it meets one at rest.
     let kept = |cells: i32| {
         let mut simulation = simulate::<f32>(&meeting([ball(cells, -0.52, 1.0), ball(cells, 0.52, 0.0)]));
         let first = |simulation: &Simulation<f32>| simulation.diagnostics_of(0).momentum.x;

@@ -12,7 +12,7 @@ use glam::DVec3;
 use crate::determinism::{allocations, within};
 use crate::support::{cube, falling, lattices, plane, run, simulate, springs};
 
-/// A cube of jelly of so many cells an edge, 1 m large, with its middle there and so fast.
+/// A jelly cube of `cells` cells an edge, 1 m large, with this position of its middle and this velocity.
 fn jelly(cells: u32, position: [f64; 3], velocity: [f64; 3]) -> Body {
     Body { velocity, ..cube(cells, 1.0, springs(30.0, 0.1, 0.01), position) }
 }
@@ -27,7 +27,7 @@ fn slab(position: [f64; 3], rotation_deg: [f64; 3], velocity: [f64; 3]) -> Body 
     }
 }
 
-/// Bodies without weight that meet nothing but each other, in steps of 1 ms divided as they need to be.
+/// Weightless bodies that meet only each other, in steps of 1 ms divided as necessary.
 fn free(bodies: Vec<Body>) -> Scene {
     let mut scene = falling(Body::default());
     scene.settings.gravity = [0.0; 3];
@@ -35,7 +35,7 @@ fn free(bodies: Vec<Body>) -> Scene {
     scene
 }
 
-/// Bodies under gravity over a ground with the friction that they have.
+/// Bodies under gravity over a ground with their own friction.
 fn on_ground(bodies: Vec<Body>) -> Scene {
     let mut scene = falling(Body::default());
     scene.bodies = bodies;
@@ -43,7 +43,7 @@ fn on_ground(bodies: Vec<Body>) -> Scene {
     scene
 }
 
-/// Cubes of so many cells upon each other.
+/// A stack of `count` cubes.
 fn stack(count: u32, cells: u32) -> Scene {
     on_ground((0..count).map(|place| jelly(cells, [0.0, 0.5 + f64::from(place), 0.0], [0.0; 3])).collect())
 }
@@ -65,7 +65,7 @@ pub(crate) fn momenta<R: Real>(simulation: &Simulation<R>, body: usize) -> [DVec
     })
 }
 
-/// What two bodies exchange of momentum and of angular momentum when they meet, and the share of it that is lost.
+/// The momentum and the angular momentum that two bodies exchange when they meet, each with the share that is lost.
 fn exchanged<R: Real>(scene: &Scene) -> [[f64; 2]; 2] {
     let mut simulation = simulate::<R>(scene);
     let before = [0, 1].map(|body| momenta(&simulation, body));
@@ -188,7 +188,7 @@ fn two_cubes_hold_on_a_slope_with_friction_and_slide_without() {
     };
     let held = drift(0.6, 20.0);
     assert!(held.iter().all(|way| *way < 1e-6), "{held:?} m in 20 s");
-    // It comes down to the ground, and to rest there.
+    // Without friction the upper cube slides off and comes to rest on the ground.
     let sliding = drift(0.0, 1.5);
     assert!(sliding[1] > 1.0, "without friction between them the upper one slides: {sliding:?} m");
 }
@@ -222,7 +222,7 @@ fn bodies_that_begin_inside_each_other_come_apart_gently() {
         assert!(held.abs() < 1e-12, "from {offset:?}: nothing has pressed anything, {held} J");
         let mut parting = 0.0;
         for _ in 0..3000 {
-            // Velocities are centred: half of what the next step gives is in it.
+            // Velocities are centred: they include half of the coming step's change.
             let now = simulation.diagnostics().energy.total();
             let report = simulation.step();
             assert!(!report.diverged, "it stays sound");
@@ -405,14 +405,14 @@ fn every_explicit_scheme_lets_one_stand_on_another() {
         scene.settings.integrator = integrator;
         let [_, lost] = exchanged::<f64>(&scene);
         assert!(lost[0] < 1e-13, "{integrator:?} loses {} of the momentum", lost[0]);
-        // Steps in which the places change along with the velocities keep moments to the order of the scheme.
+        // Steps in which positions change along with velocities conserve angular momentum only to the order of the scheme.
         let most = if integrator == Integrator::Verlet { 1e-13 } else { 2e-3 };
         assert!(lost[1] < most, "{integrator:?} loses {} of the angular momentum", lost[1]);
     }
 }
 
-/// Two to four random bodies that come at each other, number `number`: sizes over a decade, masses over six, stiffnesses such
-/// that they wobble between slowly and stiffly, some over a ground.
+/// Scene `number` of two to four random bodies that come at each other, some over a ground. The bodies of a scene differ by up
+/// to 4 times in size and 1000 times in particle mass; their stiffnesses let them wobble slowly to stiffly.
 fn random(number: u64) -> Scene {
     let mut rng = Rng::new(number.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5bf0);
     let size = 10.0_f64.powf(rng.between(-1.5, 1.0));
@@ -422,7 +422,7 @@ fn random(number: u64) -> Scene {
         let own = size * 10.0_f64.powf(rng.between(-0.4, 0.2));
         let cells = [1, 2, 3, 4][usize::from(rng.unit() > 0.5) + 2 * usize::from(rng.unit() > 0.5)];
         let mass = 10.0_f64.powf(rng.between(-3.0, 0.0));
-        // Its own frequency, 1/s.
+        // The body's own frequency, 1/s.
         let rate = 10.0_f64.powf(rng.between(0.5, 2.5));
         let stiffness = mass * rate * rate * own / f64::from(cells);
         let damping = stiffness / rate * if rng.between(0.0, 1.0) < 0.4 { 0.0 } else { rng.between(0.0, 0.3) };
@@ -440,8 +440,8 @@ fn random(number: u64) -> Scene {
     scene
 }
 
-/// The most that a random scene's bodies have over the energy at the start, as a share of that,
-/// on average over a few steps; `meddle` is done to it half way.
+/// The most energy that a random scene gains, on average over a few steps, as a share of the energy at the start; `meddle`
+/// changes the simulation half way.
 fn gain(scene: &Scene, meddle: impl Fn(&mut Simulation<f32>)) -> f64 {
     let energy = |simulation: &Simulation<f32>| simulation.diagnostics().energy.total();
     let mut simulation = simulate::<f32>(scene);

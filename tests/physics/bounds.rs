@@ -1,7 +1,7 @@
 //! The predicted limit of the step against that of the body itself, on random extreme settings.
 //!
 //! Small vibrations stay bounded up to the step at which the largest eigenvalue of `M⁻¹ (dt² K + 2 s dt C)` is 4. Lanczos'
-//! method finds it on the compiled body; a few settings are run, to see that it is what blows up.
+//! method finds that step on the compiled body. A few settings are also run, to check that a larger step blows up.
 
 use gelatin::math::rng::Rng;
 use gelatin::physics::BodyModel;
@@ -13,12 +13,12 @@ use glam::DVec3;
 
 use crate::support::{alone, simulate};
 
-/// Steps of Lanczos' method: the largest eigenvalue is then exact to far more digits than are compared.
+/// Steps of Lanczos' method: enough to make the largest eigenvalue exact to far more digits than are compared.
 const LANCZOS: usize = 80;
 
 struct Case {
     scene: Scene,
-    /// The share of the damping that counts.
+    /// The share `s` of the damping in the eigenvalue.
     share: f64,
 }
 
@@ -51,7 +51,7 @@ impl Case {
     }
 }
 
-/// Of `M^-½ (dt² K + 2 s dt C) M^-½`, by Lanczos' method from a fixed start.
+/// The largest eigenvalue of `M^-½ (dt² K + 2 s dt C) M^-½`, by Lanczos' method from a fixed start.
 fn largest_eigenvalue(body: &BodyModel<f64>, dt: f64, share: f64) -> f64 {
     let root: Vec<f64> = (0..body.start.len()).map(|particle| body.inverse_mass(particle).sqrt()).collect();
     let mut links = Vec::new();
@@ -106,7 +106,7 @@ fn largest_eigenvalue(body: &BodyModel<f64>, dt: f64, share: f64) -> f64 {
     largest_of_tridiagonal(&diagonal, &beside)
 }
 
-/// By bisection on Sturm's count of the eigenvalues above a number.
+/// The largest eigenvalue of a tridiagonal matrix, by bisection on Sturm's count of the eigenvalues above a number.
 fn largest_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> f64 {
     let beta = |i: usize| if i == 0 { 0.0 } else { beside[i - 1] };
     let is_above_all = |x: f64| {
@@ -125,7 +125,7 @@ fn largest_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> f64 {
     high
 }
 
-/// Eight particles an edge and more: whole cubes, and cubes of which a third of the cells is missing.
+/// A cube of eight particles an edge or more, whole or without a third of its cells.
 fn shape(rng: &mut Rng) -> Shape {
     let size = 10f64.powf(rng.between(-2.0, 0.0));
     let cells = 7 + i32::try_from(rng.next_u64() % 3).expect("small");
@@ -224,7 +224,7 @@ fn the_limit_of_two_solids_in_one_body_is_that_of_the_stiffest_cell() {
     assert!(median >= 0.75, "predicted is far below measured: {median}");
 }
 
-/// Cells that hold what is in them are no stiffer for their mass than full ones.
+/// Cells with sampled masses are no stiffer for their mass than full ones.
 #[test]
 fn the_limit_of_sampled_models_is_never_above_that_of_the_body() {
     let mut rng = Rng::new(43);
@@ -243,7 +243,7 @@ fn the_limit_of_sampled_models_is_never_above_that_of_the_body() {
     assert!(median >= 0.95, "predicted is far below measured: {median}");
 }
 
-/// Whether noise of a thousandth of a cell stays below a tenth of one for 1500 steps of this size.
+/// Whether noise of a thousandth of a cell stays below a tenth of a cell for 1500 steps of this size.
 fn survives(case: &Case, dt: f64) -> bool {
     let mut scene = case.scene.clone();
     scene.settings.dt = dt;

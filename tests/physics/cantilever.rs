@@ -1,5 +1,5 @@
-//! Beams held at one end and loaded at the other, a few cells thick: how far the lattice is from beam theory, and that
-//! the curve shown in `assets/cantilever.svg` and the README is the one measured.
+//! Beams held at one end and loaded at the other, a few cells thick: compares the lattice with beam theory, and the curve
+//! shown in `assets/cantilever.svg` and the README with the measured one.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -43,7 +43,7 @@ fn svg(curve: &[(u32, f64)]) -> String {
     out
 }
 
-/// Compares a shown file with what was measured; the fresh one is left beside the test's other output.
+/// Whether a shown file contains the measured text; the fresh one is left beside the test's other output.
 fn is_shown(file: &str, fresh: &str) -> bool {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     std::fs::read_to_string(root.join(file)).is_ok_and(|shown| shown.contains(fresh))

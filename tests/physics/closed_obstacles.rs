@@ -1,5 +1,5 @@
-//! Boxes, capsules and cylinders: bodies rest on every side of them, nothing tunnels, friction holds or does not, and how the
-//! contact was found changes no bit.
+//! Boxes, capsules and cylinders: bodies rest on every side of them, nothing tunnels, friction holds or does not, and the
+//! way in which contact is found changes no bit.
 
 use gelatin::math::Real;
 use gelatin::math::rotation::from_euler_deg;
@@ -12,7 +12,7 @@ use glam::DVec3;
 use crate::determinism::within;
 use crate::support::{cube, falling, lattices, plane, run, simulate, springs};
 
-/// As deep as a cube of a metre may be, and what single precision makes of it.
+/// The largest depth of a cube of a metre, plus rounding errors of single precision.
 const DEEPEST: f64 = 0.0201;
 
 fn board(center: [f64; 3], rotation_deg: [f64; 3], half_extents: [f64; 3]) -> ObstacleShape {
@@ -193,7 +193,7 @@ fn one_that_is_put_into_a_body_moves_it_out_whole() {
     }
 }
 
-/// A cube that tumbles over one of each.
+/// A cube that tumbles over one obstacle of each shape.
 fn landing() -> Scene {
     let mut scene = falling(cube(5, 1.0, springs(40.0, 0.2, 0.01), [0.0, 1.3, 0.0]));
     scene.bodies[0].pose.rotation_deg = [10.0, 20.0, 30.0];

@@ -53,7 +53,7 @@ fn nothing_passes_a_ball_or_a_small_plate_at_a_kilometre_a_second() {
             let lowest = simulation.diagnostics().bounds.min.y;
             assert!(deepest < 0.0201, "{speed} m/s, dt {dt}: {deepest} m deep in the ball");
             assert!(lowest > -2.6, "{speed} m/s, dt {dt}: no particle is below the ball: {lowest}");
-            // A plate just under the body, no thicker than nothing.
+            // A plate just under the body, without thickness.
             let ObstacleShape::Plane(mut plate) = plane([0.0; 3], [0.0; 3], [0.5, 0.4]).shape else { continue };
             plate.half_extents = [3.0, 3.0];
             scene.obstacles[0].shape = ObstacleShape::Plane(plate);
@@ -66,7 +66,7 @@ fn nothing_passes_a_ball_or_a_small_plate_at_a_kilometre_a_second() {
     }
 }
 
-/// A cube at rest in the air, and the obstacle that is dragged to `to` while time runs.
+/// A cube at rest in the air, and an obstacle that is dragged to `to` while time runs.
 fn dragged(obstacle: Obstacle, to: ObstacleShape) -> Simulation<f32> {
     let mut scene = drop(1.0, [0.5, 0.4]);
     scene.settings.gravity = [0.0; 3];
@@ -81,7 +81,7 @@ fn dragged(obstacle: Obstacle, to: ObstacleShape) -> Simulation<f32> {
 
 #[test]
 fn a_plane_dragged_through_a_body_at_any_speed_takes_all_of_it_along() {
-    // Half extents that just cover the cube; way and tilt of the plane while it is dragged.
+    // The half extents just cover the cube; these are the distance and tilt of the dragged plane.
     for (way, tilt) in [(0.7, 0.0), (2.0, 0.0), (20.0, 0.0), (2.0, 15.0)] {
         let upright = |x: f64, tilt: f64| {
             let mut plate = plane([x, 1.5, 0.0], [0.0, 0.0, -90.0 + tilt], [0.5, 0.4]);
@@ -198,7 +198,7 @@ fn a_corner_of_three_planes_lets_nothing_through() {
     for _ in 0..500 {
         simulation.step();
         for position in &simulation.state().position {
-            // Above both arms of the V, but for the depth a body may be pressed in (a metre's 2 %).
+            // It lies above both arms of the V, except for the allowed depth of 2 % of a metre.
             let above = position.y - position.x.abs();
             assert!(above > -0.021 * std::f32::consts::SQRT_2, "{position} went through at {above}");
         }
@@ -207,7 +207,7 @@ fn a_corner_of_three_planes_lets_nothing_through() {
 
 #[test]
 fn a_particle_pressed_on_a_plane_never_changes_sides() {
-    // Seeds of trouble: resting exactly at the surface, rounding either way, a long time.
+    // Difficult cases: resting exactly at the surface, rounding either way, a long time.
     for height in [0.0f64, 1e-9, 1e3] {
         let mut scene = drop(0.0, [0.6, 0.5]);
         scene.bodies[0].pose.position[1] = 0.5 + height;
@@ -246,6 +246,6 @@ fn boxes_save_tests_and_change_nothing() {
         tests = [tests[0] + a.counters.narrow_tests, tests[1] + b.counters.narrow_tests];
         assert_eq!(with.hash(), without.hash(), "the same bits after step {step}");
     }
-    // The tilted plane's box holds the whole body, so that a third of the pairs is all that can be hoped for.
+    // The tilted plane's bounding box holds the whole body, so at best two thirds of the pairs are saved.
     assert!(saved > 0 && tests[0] * 2 < tests[1], "most tests are saved: {tests:?}");
 }

@@ -54,7 +54,7 @@ fn every_level_of_vector_instructions_gives_the_same_bits() {
     }
 }
 
-/// Does some work where so many threads are.
+/// Does some work in a pool of `threads` threads.
 pub(crate) fn within<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads").install(work)
 }

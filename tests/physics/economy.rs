@@ -1,4 +1,4 @@
-//! What a step does not do: far tests, stages that a scene does not need.
+//! Work that a step avoids: far tests, stages that a scene does not need.
 
 use gelatin::physics::Stage;
 use gelatin::physics::StageTimer;
@@ -9,10 +9,10 @@ use gelatin::scene::settings::ContactRule;
 
 use crate::support::{alone, ball, cube, falling, plane, simulate, springs};
 
-/// Steps of a preset: it has landed.
+/// Steps until a preset has landed.
 const STEPS: usize = 800;
 
-/// The presets by a contact rule, but for the finest models and the largest scenes, which differ only in cost.
+/// The presets under a contact rule, without the finest models and the largest scenes, which differ only in cost.
 fn coarse_presets(rule: ContactRule) -> impl Iterator<Item = (&'static str, Scene)> {
     let costly = [
         "coupler-40",
@@ -35,7 +35,7 @@ fn coarse_presets(rule: ContactRule) -> impl Iterator<Item = (&'static str, Scen
 
 #[test]
 fn the_broad_phase_saves_tests_in_every_preset() {
-    // That it changes no bit is seen where trajectories are compared with those on record (`golden`).
+    // That the broad phase changes no bit is checked by the recorded fingerprints (`golden`).
     for (name, scene) in coarse_presets(ContactRule::Implicit) {
         let mut simulation = simulate::<f32>(&scene);
         let counts = (0..STEPS)
@@ -96,7 +96,7 @@ fn a_far_ball_costs_no_test() {
     let mut scene = alone(cube(2, 1.0, springs(10.0, 0.1, 0.1), [0.0; 3]), 1e-3);
     scene.obstacles.push(ball([50.0, 0.0, 0.0], 1.0));
     let mut simulation = simulate::<f32>(&scene);
-    // The first substep looks: only then is it known that nothing touches.
+    // Only after the first substep is it known that nothing touches.
     simulation.step();
     let mut stages = Stages::default();
     let report = simulation.step_timed(&mut stages);
@@ -112,7 +112,7 @@ fn a_far_ball_costs_no_test() {
     );
 }
 
-/// A cube that falls on a plane, and what a second of it did.
+/// A cube that falls on a plane for a second: its report, and the stages that ran.
 fn fallen(change: impl Fn(&mut Scene)) -> (StepReport, Vec<String>) {
     let mut scene = falling(cube(3, 1.0, springs(40.0, 0.2, 0.02), [0.0, 0.6, 0.0]));
     scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.6, 0.5]));
@@ -205,7 +205,7 @@ fn bare(scene: &mut Scene) {
     }
 }
 
-/// With a ball further away than anything ever gets.
+/// A bare scene with a ball further away than anything ever gets.
 fn bare_with_a_ball(scene: &mut Scene) {
     bare(scene);
     scene.obstacles.push(ball([5e3, 5e3, 0.0], 1.0));

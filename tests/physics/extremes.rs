@@ -1,11 +1,11 @@
-//! Random extreme scenes in automatic mode: nothing explodes (R2). The judge's own tests, in which it must find
-//! something, are beside it.
+//! Random extreme scenes in automatic mode: nothing explodes (R2). The judge's own tests, in which it must find faults, are
+//! beside it.
 
 use gelatin::report::extremes::{Edition, extreme_of, lattices};
 use gelatin::report::judge::{Patience, judge_disturbed};
 use gelatin::scene::{Body, Material};
 
-/// Another seed than that of the command, whose scenes were looked at one by one.
+/// Another seed than the command's, whose scenes were examined one by one.
 const SEED: u64 = 7;
 
 const SCENES: u64 = 300;

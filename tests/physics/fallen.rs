@@ -1,4 +1,4 @@
-//! Bodies that fall out of the scene: they sleep far below it, and nothing but another place brings them back.
+//! Bodies that fall out of the scene: they sleep far below it, and only a new place brings them back.
 
 use gelatin::physics::Arrival;
 use gelatin::physics::Grab;
@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use crate::support::{cube, falling, lattices, run, simulate, springs};
 
-/// The floor and the cube as they start span (−1, 0, −1) … (3.5, 1.5, 1): ten times the diagonal of 5.1 m below that.
+/// The floor and the cube span (−1, 0, −1) … (3.5, 1.5, 1) at the start: the limit is ten times the diagonal of 5.1 m below.
 const LIMIT: f32 = -51.5;
 
 /// A cube that falls past the edge of a small floor.

@@ -9,11 +9,11 @@ use glam::DVec3;
 use crate::determinism::within;
 use crate::support::{cube, falling, plane, run, simulate, springs};
 
-/// Cells of the tongs: their width, and how tall they are.
+/// Size of the tongs, cells: width and height.
 const WIDE: u32 = 7;
 const TALL: u32 = 10;
 
-/// A U of 10 cm cells, 0.7 m wide, its legs 0.2 m thick and 0.3 m apart, that weighs nothing.
+/// A weightless U of 10 cm cells, 0.7 m wide, its legs 0.2 m thick and 0.3 m apart.
 fn tongs() -> Scene {
     let is_in = |[x, y, _]: [i32; 3]| y == 0 || !(2..=4).contains(&x);
     let (wide, tall) = (WIDE.cast_signed(), TALL.cast_signed());
@@ -24,7 +24,7 @@ fn tongs() -> Scene {
     scene
 }
 
-/// The same, whose legs are thrown at each other with this speed at their ends, m/s.
+/// The scene with the ends of the legs thrown at each other with this speed, m/s.
 fn thrown<R: Real>(scene: &Scene, speed: f64) -> Simulation<R> {
     let mut simulation = simulate::<R>(scene);
     let mut state = simulation.state().clone();
@@ -36,8 +36,7 @@ fn thrown<R: Real>(scene: &Scene, speed: f64) -> Simulation<R> {
     simulation
 }
 
-/// The least way from the inner side of the left leg to that of the right one, m; less than nothing where they are in each
-/// other.
+/// The smallest distance from the inner side of the left leg to that of the right one, m; negative if the legs overlap.
 fn gap<R: Real>(simulation: &Simulation<R>) -> f64 {
     let corners = &simulation.model().bodies[0].lattice.corners;
     let at = |place: [u32; 3]| {
@@ -59,7 +58,7 @@ fn least_gap(scene: &Scene, speed: f64) -> f64 {
 
 #[test]
 fn legs_that_are_thrown_at_each_other_do_not_pass() {
-    // The faster, the less the springs of all points settle within a substep: no deeper than a cell.
+    // The faster the legs, the less do the springs of all points settle within a substep; the depth is at most a cell.
     for (speed, deepest) in [(3.0, 0.03), (10.0, 0.03), (30.0, 0.1)] {
         let least = least_gap(&tongs(), speed);
         assert!(least > -deepest && least < 0.05, "at {speed} m/s they come to {least} m");

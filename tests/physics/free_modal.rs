@@ -1,4 +1,4 @@
-//! Modal bodies that nothing holds: they fly, tumble, land and rest as wholes that swing.
+//! Modal bodies that nothing holds: they fly, tumble, land and rest, swinging about a rigid motion.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ use super::support::{ball, lattices, plane, simulate};
 
 const WEIGHT: f64 = 9.81;
 
-/// A cube of 0.4 m of firm rubber, with its middle so high and turned like this.
+/// A cube of 0.4 m of firm rubber, with its middle at this height and with this rotation.
 fn cube(height: f64, rotation_deg: [f64; 3]) -> Body {
     let material = Material::Solid(Solid { young_modulus: 5e5, density: 500.0, damping_ratio: 0.05, ..Solid::DEFAULT });
     Body {
@@ -30,7 +30,7 @@ fn cube(height: f64, rotation_deg: [f64; 3]) -> Body {
     }
 }
 
-/// A slab of 0.2 × 0.4 × 0.6 m of the same.
+/// A slab of 0.2 × 0.4 × 0.6 m of the same rubber.
 fn slab() -> Body {
     let list = (0..2).flat_map(|x| (0..4).flat_map(move |y| (0..6).map(move |z| [x, y, z]))).collect();
     let shape = Shape::Cells(gelatin::scene::body::CellsShape { list, size: 0.1 });
@@ -45,7 +45,7 @@ fn inertia(of: &Simulation<f64>) -> Inertia {
     of.model().bodies[0].inertia().expect("it is free").clone()
 }
 
-/// Kinetic and elastic energy, and that of its weight above the origin, J.
+/// Kinetic energy, elastic energy and potential energy of weight above the origin, J.
 fn energy(of: &Simulation<f64>, weight: f64) -> f64 {
     let (state, inertia) = (&of.state().modal[0], inertia(of));
     let modes = of.model().bodies[0].modes().expect("it has modes");
@@ -54,7 +54,7 @@ fn energy(of: &Simulation<f64>, weight: f64) -> f64 {
     rigid.energy(&inertia) + swing + inertia.mass * weight * rigid.center.y
 }
 
-/// Changes how a body moves as a whole.
+/// Changes the rigid motion of a body.
 fn set(of: &mut Simulation<f64>, change: impl FnOnce(&mut ModalState)) {
     let mut state = of.state().clone();
     change(&mut state.modal[0]);
@@ -87,7 +87,7 @@ fn what_tumbles_keeps_its_momentum_and_its_energy_and_turns_as_its_cells_do() {
     };
     let scene = hanging(slow, 0.0, Vec::new());
     let mut by_modes = modal::<f64>(&scene);
-    // About its middle axis and a little beside it.
+    // It spins about its middle axis, slightly tilted.
     let spin = DVec3::new(0.05, 4.0, 0.02);
     let inertia = inertia(&by_modes);
     let mass = |p: usize, of: &Simulation<f64>| of.model().bodies[0].mass(p);
@@ -142,7 +142,7 @@ fn a_dropped_cube_comes_to_rest_on_a_face_without_gaining_energy() {
 
 #[test]
 fn what_lands_flat_bounces_about_as_high_as_its_cells_do() {
-    // How high the middle comes after it has touched, over how far it fell.
+    // The height to which the middle rises after the touch, as a share of the fall.
     let rebound = |mut of: Simulation<f64>| {
         let (start, mut lowest, mut highest) = (of.diagnostics().center.y, f64::INFINITY, 0.0_f64);
         for _ in 0..80 {
@@ -157,7 +157,7 @@ fn what_lands_flat_bounces_about_as_high_as_its_cells_do() {
         (highest - 0.2) / (start - 0.2)
     };
     let ball = Obstacle { stiffness: ContactStiffness::Given(2e4), ..ball([0.0, -2.0, 0.0], 2.0) };
-    // Within so much of the fall: a ball presses one spot, which gives more than its few modes do.
+    // The tolerance as a share of the fall. A ball presses on one spot, which is softer than the few modes make it.
     for (obstacle, within) in [(ground([0.5, 0.4]), 0.03), (ball, 0.15)] {
         for damping_ratio in [0.02, 0.05, 0.2] {
             let mut body = cube(0.7, [0.0; 3]);
@@ -201,7 +201,7 @@ fn it_lands_and_lies_about_as_its_cells_do() {
     let scene = hanging(cube(0.5, [0.0, 0.0, 12.0]), WEIGHT, vec![ground([0.5, 0.4])]);
     let (mut cells, mut by_modes) = (simulate::<f64>(&scene), modal::<f64>(&scene));
     let mut most = 0.0_f64;
-    // It lands on an edge after 0.23 s, which turns it; later a little makes much of where it rolls to.
+    // It lands on an edge after 0.23 s, which turns it; later a small difference changes much of where it rolls to.
     for _ in 0..35 {
         cells.run_for(0.01);
         by_modes.run_for(0.01);
@@ -235,7 +235,7 @@ fn a_hand_has_it_follow_and_what_is_let_go_keeps_its_momentum() {
     assert!(spins.length() > 1e-3, "a corner turns it");
     pulled.run_for(30.0);
     let there = pulled.state().position[corner];
-    // It turns about the hand for good, which nothing slows, and leans out by as much.
+    // It turns about the hand for ever, as nothing slows it, and leans out accordingly.
     assert!(there.distance(target) < 0.05, "the hand has it: {there}");
     for stiffness in [1e-3, 1.0, 1e6, 1e12] {
         let mut pulled = modal::<f64>(&hanging(cube(0.0, [0.0; 3]), 0.0, Vec::new()));
@@ -389,7 +389,7 @@ fn it_rests_costs_nothing_and_wakes_and_what_falls_out_is_gone_until_it_is_put_b
 
 #[test]
 fn a_body_keeps_to_the_side_of_a_plane_that_it_came_from() {
-    // It lies half over the edge of a soft small plane, on which it sinks in.
+    // It lies half over the edge of a soft small plane and sinks in.
     let form = Plane { center: [0.0; 3], half_extents: [0.12; 2], ..Plane::default() };
     let soft = Obstacle {
         shape: ObstacleShape::Plane(form),

@@ -30,7 +30,7 @@ fn slide(slope: f64, friction: [f64; 2], seconds: f64) -> (f64, f64) {
     (now.center.dot(down), now.momentum.dot(down) / now.mass_kg)
 }
 
-/// How far a cube on a slope of 0.95 μ moves in a minute once it has settled, body sizes; no sleep holds it.
+/// Distance that a cube on a slope of 0.95 μ moves in a minute after it has settled, body sizes; it never sleeps.
 fn drift<R: Real>() -> f64 {
     let (scene, down) = on_incline(0.95 * MU, [MU, MU]);
     let mut simulation = simulate::<R>(&scene);
@@ -46,7 +46,7 @@ fn below_the_friction_angle_it_rests_and_does_not_creep() {
     assert!(double < 1e-6 && single < 1e-6, "{double:e} and {single:e} body sizes");
 }
 
-/// The rule as written creeps down the same slope, which tells that the test can see it.
+/// By the rule as written, the cube creeps down the same slope, so the test can see creeping.
 #[test]
 fn by_the_rule_of_the_thesis_it_creeps() {
     let (scene, down) = on_incline(0.95 * MU, [MU, MU]);
@@ -78,7 +78,7 @@ fn without_friction_it_slides_freely() {
     assert!((ratio - 1.0).abs() < 1e-3, "g sin θ: {ratio}");
 }
 
-/// Between the two coefficients it depends on how the body is set down: here its own settling makes it slip.
+/// Between the two coefficients the outcome depends on how the body is set down: here its own settling makes it slip.
 #[test]
 fn with_two_coefficients_it_rests_below_the_smaller_and_slides_above_the_larger() {
     let friction = [MU, 0.5 * MU];

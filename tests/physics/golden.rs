@@ -1,10 +1,10 @@
-//! Fingerprints of where every preset goes, and the default one by every scheme and by the thesis's contact rule: they
-//! change with any bit of any trajectory, so that what only moves code about is seen to change nothing.
+//! Fingerprints of the trajectories of all presets, and of the default one by every scheme and by the thesis's contact rule.
+//! They change with any bit of a trajectory, so a change that only moves code shows that it changes nothing.
 //!
 //! `golden.txt` holds a line each: name, simulated seconds, and the fingerprints of positions and velocities in the middle
-//! and at the end. The second half is taken twice, the second time from the state of the middle, by another number of threads,
-//! at another level of vector instructions and without the broad phase, of several bodies for a while. A change that is meant
-//! to change bits puts what the failing test prints into that file, and says why.
+//! and at the end. The second half is run twice. The second run starts from the state of the middle, on another number of
+//! threads, at another level of vector instructions and without the broad phase (for several bodies only for a while). If a
+//! change is meant to change bits, copy the failing test's output into that file and say why.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -41,8 +41,8 @@ fn seconds(preset: &str) -> f64 {
     if LARGE.contains(&preset) { 1.0 } else { 5.0 }
 }
 
-/// For how long of that at most it goes on without the broad phase, s: every point of a body is looked for in every cell of all
-/// others then.
+/// The longest time for which the second run goes without the broad phase, s: without it every point of a body is searched
+/// for in every cell of all others.
 fn seconds_without_broad_phase(case: &Case) -> f64 {
     match case.scene.bodies.len() {
         _ if LARGE.contains(&case.name.as_str()) => 0.05,
@@ -52,7 +52,7 @@ fn seconds_without_broad_phase(case: &Case) -> f64 {
 }
 
 fn cases() -> Vec<Case> {
-    // What moves by modes is in `modal`; by its cells it is another preset.
+    // Presets that move by modes are tested in `modal`; with cells they would be other presets.
     let mut cases: Vec<Case> = presets()
         .iter()
         .filter(|preset| (preset.build)().bodies.iter().all(|body| body.moves_by == MovesBy::Cells))
@@ -76,14 +76,14 @@ fn run(simulation: &mut Simulation<f32>, seconds: f64) {
     }
 }
 
-/// A way to take steps that changes no bit of them.
+/// A way to take steps that must change no bit.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     threads: usize,
     level: SimdLevel,
 }
 
-/// All of them that the machine has.
+/// All ways that the machine supports.
 fn ways() -> Vec<Way> {
     let levels = || SimdLevel::ALL.into_iter().filter(|level| level.is_available());
     [2, 3, 8, 1].into_iter().flat_map(|threads| levels().map(move |level| Way { threads, level })).collect()
@@ -119,7 +119,8 @@ fn every_trajectory_is_the_one_on_record() {
     let next = AtomicUsize::new(0);
     let lines = Mutex::new(vec![String::new(); cases.len()]);
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    // A case at a time on each core: the threads of a step wait awake for each other, and dozens of them would for long.
+    // Each core runs one case at a time: the threads of a step wait awake for each other, and dozens of them would wait
+    // long.
     std::thread::scope(|scope| {
         for _ in 0..cores {
             scope.spawn(|| {

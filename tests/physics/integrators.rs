@@ -54,7 +54,7 @@ pub(crate) fn rms_distance(a: &[DVec3], b: &[DVec3]) -> f64 {
     (sum / a.len() as f64).sqrt()
 }
 
-/// log2 of the error at some step over that at half of it.
+/// log2 of the error at step 2^-`exponent` s over that at half the step.
 fn observed_order(scene: &Scene, integrator: Integrator, exponent: i32) -> f64 {
     let reference = positions(scene, Integrator::Rk4, 13);
     let error = |exponent| rms_distance(&positions(scene, integrator, exponent), &reference);
@@ -89,7 +89,7 @@ fn verlet_is_much_nearer_than_semi_implicit_euler_at_the_same_cost() {
     }
 }
 
-/// How much the energy of a slightly shaken cube grows in a second whose damping is `delay` times its stiffness.
+/// Growth of the energy in a second of a slightly shaken cube whose damping is `delay` times its stiffness.
 pub(crate) fn growth(integrator: Integrator, delay: f64, dt: f64) -> f64 {
     let mut scene = alone(cube(4, 1.0, springs(20.0, 20.0 * delay, 1.0 / 125.0), [0.0; 3]), dt);
     scene.settings.integrator = integrator;
@@ -120,7 +120,7 @@ fn explicit_euler_grows_where_theory_says() {
     assert!(growth(Integrator::SemiImplicit, 0.0, 1e-3) < 4.0, "nor without damping");
 }
 
-/// Steps as they would be divided, and just too large.
+/// Tests steps as automatic stepping would divide them, and steps just too large.
 #[test]
 fn verlet_and_rk4_are_stable_below_their_own_limits() {
     for integrator in [Integrator::Verlet, Integrator::Rk4] {
@@ -144,7 +144,7 @@ fn a_scheme_without_a_stable_step_is_not_divided_and_is_watched() {
         scene.settings.dt = 0.05;
         let simulation = simulate::<f32>(&scene);
         let plan = simulation.plan();
-        // Of vibrations without damping no long step is stable with the stabilised scheme.
+        // No long step of the stabilised scheme is stable for undamped vibrations.
         let taken = if integrator == Integrator::Stabilised { Integrator::SemiImplicit } else { integrator };
         assert_eq!(Integrator::from(plan.scheme), taken, "the scheme that was chosen");
         let divided = integrator.has_stable_step() && integrator != Integrator::Implicit;
@@ -161,7 +161,7 @@ fn on_plane(integrator: Integrator, slope: f64) -> (Scene, DVec3) {
     scene.bodies[0].pose.rotation_deg = tilt;
     scene.obstacles.push(plane([0.0; 3], tilt, [0.5, 0.5]));
     scene.settings.integrator = integrator;
-    // Small enough for those that nobody divides: their damping may take 2 dt c < 4.
+    // The step is small enough for schemes that are not divided: their damping may reach 2 dt c < 4.
     scene.settings.dt = 2.5e-4;
     (scene, up)
 }
@@ -185,7 +185,7 @@ fn every_scheme_rests_at_the_same_depth() {
 #[test]
 fn every_scheme_holds_on_a_slope_below_friction_and_slides_above() {
     for integrator in Integrator::ALL {
-        // Way (m) and speed (m/s) down a slope at two times.
+        // Distance (m) and speed (m/s) down a slope at two times.
         let slide = |slope: f64, times: [f64; 2]| {
             let (scene, up) = on_plane(integrator, slope);
             let down = DVec3::new(-up.y, up.x, 0.0);
@@ -216,7 +216,7 @@ fn no_scheme_lets_anything_through() {
             scene.bodies[0].velocity = [0.0, -speed, 0.0];
             let mut simulation = simulate::<f32>(&scene);
             for _ in 0..2000 {
-                // A thrown body may be more than a scheme that nobody divides can take; it must not pass all the same.
+                // A thrown body may be too much for a scheme that is not divided; even then it must not pass through.
                 simulation.step();
                 let lowest = simulation.diagnostics().bounds.min.y;
                 assert!(lowest > -0.0201, "{integrator:?} at {speed} m/s: {lowest} is behind the plane");
@@ -228,7 +228,7 @@ fn no_scheme_lets_anything_through() {
 /// Steps as a person would choose them for the implicit scheme, s.
 const IMPLICIT_STEPS: [f64; 3] = [1e-3, 1.0 / 240.0, 1.0 / 60.0];
 
-/// Stiffness from what any scheme takes to what no explicit scheme could step at a frame a step, N.
+/// Stiffness from what any scheme can step to what no explicit scheme could step with one step a frame, N.
 const STIFFNESSES: [f64; 4] = [60.0, 1e4, 1e5, 1e6];
 
 /// A hardly damped cube for the implicit scheme, touching a plane tilted by `slope`.
@@ -252,7 +252,7 @@ fn for_all_stiff(check: impl Fn(f64, f64)) {
     }
 }
 
-/// Way (m) and speed (m/s) down a slope at two times.
+/// Distance (m) and speed (m/s) down a slope at two times.
 fn slide(stiffness: f64, dt: f64, slope: f64, friction: [f64; 2], times: [f64; 2]) -> [(f64, f64); 2] {
     let (mut scene, up) = stiff(stiffness, dt, slope, friction);
     // Damped, so that it comes to rest in time.
@@ -327,7 +327,7 @@ fn on_edge(stiffness: f64, dt: f64, speed: f64) -> Scene {
     scene
 }
 
-/// The most of its energy at the start that such a cube ever has.
+/// The largest energy that the cube ever has, as a share of its energy at the start.
 fn drop_energy(scene: &Scene, change: impl FnOnce(&mut Simulation<f32>)) -> f64 {
     let dt = scene.settings.dt;
     let mut simulation = simulate::<f32>(scene);
@@ -379,7 +379,7 @@ fn what_rests_does_not_iterate_without_end_with_friction_and_without() {
     for (slope, friction) in [(0.3, 0.5), (0.0, 0.0)] {
         for_all_stiff(|stiffness, dt| {
             let (mut solves, mut substeps) = (0, 0);
-            // Of what hardly damped bodies still do after so long, rounding decides: one start is no measure.
+            // The late motion of hardly damped bodies depends on rounding errors, so one start alone is no measure.
             for aside in 0..4 {
                 let (mut scene, _) = stiff(stiffness, dt, slope, [friction; 2]);
                 scene.bodies[0].pose.position[2] += 0.01 * f64::from(aside);

@@ -1,4 +1,4 @@
-//! The physics against analytic values, conservation laws and its own promises. Needs no GPU and no window.
+//! Tests the physics against analytic values, conservation laws and its own promises. Needs no GPU and no window.
 
 mod analytic;
 mod balls;

@@ -28,7 +28,7 @@ struct Made {
 }
 
 impl Made {
-    /// A model that meets obstacles with its mesh, with its middle there.
+    /// A model that meets obstacles with its mesh, with its middle at `position`.
     fn of(shape: ModelShape, material: Material, position: [f64; 3]) -> Self {
         let shape = Shape::Model(shape);
         let lattice = resolve(&shape, Path::new("."), &()).expect("a sound model").lattice;
@@ -37,7 +37,7 @@ impl Made {
         Self { scene: falling(body), lattice }
     }
 
-    /// The same of a model that is given as the text of an OBJ file.
+    /// As [`Made::of`], for a model given as the text of an OBJ file.
     fn of_text(obj: &str, divisions: u32, material: Material, position: [f64; 3]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("model.obj");
@@ -64,7 +64,7 @@ impl Made {
         self.lattice.mesh.as_ref().expect("a model has a mesh")
     }
 
-    /// The vertices of the mesh as the body is now, m.
+    /// The vertices of the mesh on the body as it is now, m.
     fn vertices<R: Real>(&self, simulation: &Simulation<R>) -> Vec<DVec3> {
         let embedded = Embedder::new(&self.lattice).embed_all(&self.mesh().positions).expect("finite");
         let at = |Embedding { particles, weights, .. }: &Embedding| {
@@ -79,7 +79,7 @@ impl Made {
     }
 }
 
-/// A ball of the diameter 1 m with so many strips from pole to pole.
+/// A ball of 1 m diameter with `strips` strips from pole to pole.
 pub(crate) fn ball_obj(strips: u32) -> String {
     let mut text = String::new();
     let around = 2 * strips;
@@ -110,7 +110,7 @@ pub(crate) fn box_obj() -> String {
     text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
 }
 
-/// A ball of stiff jelly in cells of a sixth of its diameter, its lowest point this high.
+/// A ball of stiff jelly in cells of a sixth of its diameter, with its lowest point at this height.
 fn coarse_ball(height: f64) -> Made {
     let jelly = Material::Solid(Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.3, ..Solid::DEFAULT });
     Made::of_text(&ball_obj(24), 6, jelly, [0.0, 0.5 + height, 0.0])
@@ -136,7 +136,7 @@ fn contact_gives_a_body_the_force_and_the_moment_that_it_has() {
         let (before, at) = (simulation.state().velocity.clone(), simulation.state().position.clone());
         simulation.step();
         if step == 0 {
-            // The velocity falls half a step behind.
+            // The velocity lags half a step behind.
             continue;
         }
         let (mut gained, mut turned) = (DVec3::ZERO, DVec3::ZERO);
@@ -195,7 +195,7 @@ fn a_drop_gains_no_energy_at_any_stiffness() {
 fn a_coarse_ball_rests_at_the_height_of_its_mesh() {
     let [on_mesh, on_cells] = [ContactOn::Mesh, ContactOn::Cells].map(|contact_on| {
         let mut made = coarse_ball(0.1).on(floor());
-        // On a corner of its cells.
+        // It stands on a corner of its cells.
         made.scene.bodies[0].pose.rotation_deg = [35.0, 0.0, 45.0];
         made.scene.bodies[0].contact_on = contact_on;
         let mut simulation = made.simulate::<f32>();
@@ -207,7 +207,7 @@ fn a_coarse_ball_rests_at_the_height_of_its_mesh() {
     assert!(on_cells.abs() > 0.02, "on its cells it does not: {on_cells} m");
 }
 
-/// How far a ball has rolled down a slope of 10° in two seconds, over what a rigid one would.
+/// The distance that a ball rolls down a slope of 10° in two seconds, over that of a rigid one.
 fn rolled(contact_on: ContactOn) -> f64 {
     let angle = 10.0_f64.to_radians();
     let mut made = coarse_ball(0.0).on(plane([0.0; 3], [0.0, 0.0, -10.0], [1.0, 1.0]));
@@ -306,7 +306,7 @@ fn what_lies_on_its_mesh_comes_out_of_the_ground_however_it_got_there() {
     rests(&mut simulation, "the ground was taken away and given back");
 }
 
-/// A box on a slope that it touches, and the way down.
+/// A box on a slope that it touches, and the direction down the slope.
 fn on_slope(slope: f64, friction: [f64; 2]) -> (Made, DVec3) {
     let angle = slope.atan();
     let tilt = [0.0, 0.0, angle.to_degrees()];
@@ -382,7 +382,7 @@ fn it_goes_through_no_obstacle_by_any_scheme() {
     for integrator in integrators {
         let mut made = landing();
         made.scene.settings.integrator = integrator;
-        // What comes near itself makes room for that once.
+        // A body that comes near itself allocates memory for that once.
         made.scene.bodies[0].self_collides = false;
         made.scene.obstacles.push(Obstacle { shape: ObstacleShape::Mesh(mesh.clone()), ..Obstacle::default() });
         load_meshes(&mut made.scene, Path::new("."), &()).expect("spot is carried");
@@ -428,7 +428,7 @@ fn a_cube_has_no_mesh_and_cells_that_stay_outside_it_do_not_touch() {
         simulation.hash()
     });
     assert_eq!(asked, usual, "a cube has but its cells");
-    // The cells that the surface goes through reach below it.
+    // Cells that the surface cuts reach below it.
     let path = "assets/spot.obj".to_owned();
     let shape = ModelShape { path, divisions: 8, occupancy: OccupancyChoice::Surface, ..ModelShape::default() };
     let made = Made::of(shape, Material::default(), [0.0, 0.6, 0.0]).on(floor());

@@ -1,5 +1,5 @@
-//! Meshes as obstacles: they stop bodies as the shapes do that they are made like, a bowl holds what is thrown into it, a
-//! sheet stops from both sides, and how the contact was found changes no bit.
+//! Meshes as obstacles: they stop bodies as the shapes do that they imitate, a bowl holds things thrown into it, a sheet
+//! stops from both sides, and the way in which contact is found changes no bit.
 
 use std::sync::Arc;
 
@@ -17,10 +17,10 @@ use glam::DVec3;
 use crate::determinism::within;
 use crate::support::{cube, falling, lattices, run, simulate, springs};
 
-/// As deep as a cube of a metre may be, and what single precision makes of it.
+/// The largest depth of a cube of a metre, plus rounding errors of single precision.
 const DEEPEST: f64 = 0.0201;
 
-/// A mesh as it is, not turned.
+/// A mesh as an obstacle, not turned.
 fn obstacle(mesh: &TriMesh) -> ObstacleShape {
     let surface = Arc::new(Surface::new(mesh).expect("a surface"));
     let center = mesh.bounds().center().to_array();
@@ -29,7 +29,7 @@ fn obstacle(mesh: &TriMesh) -> ObstacleShape {
     ObstacleShape::Mesh(shape)
 }
 
-/// A sheet in the plane of x and z about the origin, of so many squares along each side.
+/// A sheet in the plane of x and z about the origin, with `squares` squares along each side.
 fn sheet(half: f64, squares: u32) -> TriMesh {
     let mut mesh = TriMesh::default();
     let at = |step: u32| half * (2.0 * f64::from(step) / f64::from(squares) - 1.0);
@@ -66,14 +66,14 @@ fn bowl() -> ObstacleShape {
     ObstacleShape::Mesh(mesh)
 }
 
-/// A cube of so many metres with its middle at a place, and one obstacle.
+/// A cube of edge `size` (m) with its middle at `position`, and one obstacle.
 fn over(shape: ObstacleShape, size: f64, position: [f64; 3]) -> Scene {
     let mut scene = falling(cube(4, size, springs(60.0, 0.5, 0.008), position));
     scene.obstacles = vec![Obstacle { shape, friction_static: 0.6, friction_dynamic: 0.5, ..Obstacle::default() }];
     scene
 }
 
-/// How deep the deepest particle is in a closed mesh, m; negative where none is.
+/// The largest depth of a particle in a closed mesh, m; negative if none is inside.
 fn deepest(simulation: &Simulation<f32>, shape: &ObstacleShape) -> f64 {
     let ObstacleShape::Mesh(mesh) = shape else { panic!("a mesh") };
     let surface = mesh.surface().expect("it is read");
@@ -314,7 +314,8 @@ fn a_bowl_that_is_swept_about_does_the_work_that_bodies_gain() {
     assert!(verdict.fault.is_none(), "{}", verdict.words);
 }
 
-/// A random extreme scene whose closed obstacles are bowls, combs and sheets of their sizes, some of which move.
+/// A random extreme scene whose closed obstacles are replaced by bowls, combs and sheets of the same size, some of which
+/// move.
 fn among_meshes(seed: u64, number: u64) -> Scene {
     let (mut scene, _) = extreme_of(Edition::Second, seed, number);
     for (place, obstacle) in (number..).zip(&mut scene.obstacles) {
@@ -343,7 +344,7 @@ fn among_meshes(seed: u64, number: u64) -> Scene {
 
 fn obstacle_of_sheet() -> ObstacleShape {
     let mut mesh = sheet(0.5, 4);
-    // A fold, so that it has an edge.
+    // The sheet is folded, so that it has an edge.
     mesh.positions.iter_mut().for_each(|at| at.y = 0.3 * at.x.abs());
     obstacle(&mesh)
 }

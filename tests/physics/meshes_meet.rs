@@ -1,4 +1,4 @@
-//! Bodies that meet each other with the meshes that they were made of: points of one at the surface of the other.
+//! Bodies that meet each other with their original meshes: points of one against the surface of the other.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use crate::determinism::within;
 use crate::mesh_contact::{ball_obj, box_obj};
 use crate::support::{falling, plane, run};
 
-/// A model of an OBJ text in so many divisions, its middle there, that moves with this velocity (m/s).
+/// A model of an OBJ text in `divisions` divisions, with this position of its middle (m) and this velocity (m/s).
 fn model(folder: &Path, obj: &str, divisions: u32, position: [f64; 3], velocity: [f64; 3]) -> Body {
     let path = folder.join(format!("{}.obj", obj.len()));
     std::fs::write(&path, obj).expect("a file");
@@ -30,7 +30,7 @@ fn model(folder: &Path, obj: &str, divisions: u32, position: [f64; 3], velocity:
     }
 }
 
-/// Bodies without weight that meet nothing but each other.
+/// Weightless bodies that meet only each other.
 fn meeting(bodies: Vec<Body>) -> Scene {
     let mut scene = falling(Body::default());
     scene.settings.gravity = [0.0; 3];
@@ -42,12 +42,12 @@ fn simulate<R: Real>(scene: &Scene) -> Simulation<R> {
     Simulation::from_scene(scene, Path::new("")).expect("a sound scene")
 }
 
-/// Two balls of 1 m that come at each other along the diagonal, where cells stick out, at 1 m/s and a little aside.
+/// Two balls of 1 m that come at each other along the diagonal, where cells stick out, at 1 m/s and slightly offset.
 fn balls(folder: &Path, divisions: u32, contact_on: ContactOn) -> Scene {
     balls_of(folder, &ball_obj(24), divisions, contact_on)
 }
 
-/// The same of the text of a model.
+/// As [`balls`], with a given model text.
 fn balls_of(folder: &Path, obj: &str, divisions: u32, contact_on: ContactOn) -> Scene {
     let half = 0.5 * 1.3 / 3.0_f64.sqrt();
     let ball = |sign: f64| {
@@ -68,7 +68,7 @@ fn pushes<R: Real>(simulation: &Simulation<R>) -> bool {
 
 #[test]
 fn balls_meet_where_their_surfaces_are_and_not_where_their_cells_end() {
-    // With a hole too: one face is missing of the northern, and one of the southern half.
+    // Balls with a hole are tested, too: one face is missing from the northern half and one from the southern.
     let whole = ball_obj(24);
     let is_kept = |(number, _): &(usize, &str)| ![1500, 2000].contains(number);
     let kept: Vec<&str> = whole.lines().enumerate().filter(is_kept).map(|(_, line)| line).collect();
@@ -139,7 +139,7 @@ fn momentum_and_angular_momentum_are_kept_and_no_energy_is_made() {
 fn a_ball_lies_on_a_box_and_not_on_its_cells() {
     let gap = |contact_on| {
         let folder = tempfile::tempdir().expect("a folder");
-        // In seven divisions the box's cells end above and below it.
+        // With seven divisions the box's cells end above and below its surface.
         let mut lower = model(folder.path(), &box_obj(), 7, [0.0, 0.301, 0.0], [0.0; 3]);
         let mut upper = model(folder.path(), &ball_obj(24), 7, [0.0, 1.16, 0.0], [0.0; 3]);
         for body in [&mut lower, &mut upper] {

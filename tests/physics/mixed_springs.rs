@@ -1,4 +1,4 @@
-//! Bodies of several springs: a link has the mean of the cells that hold it.
+//! Bodies of several springs: a link has the mean of the cells that share it.
 
 use gelatin::geometry::Family;
 use gelatin::physics::Simulation;
@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use crate::support::{alone, ball, cube, falling, plane, run, simulate, springs};
 
-/// Alike along and across the axes, as a solid of 1 m is whose cells have an edge of 1/6 m.
+/// Springs that are alike along and across the axes, like a solid of 1 m with cells of 1/6 m.
 fn isotropic(times: f64) -> Springs {
     let mut springs = springs(0.0, 0.0, 0.01);
     springs.structural.stiffness = times * 2.246_71;
@@ -18,7 +18,7 @@ fn isotropic(times: f64) -> Springs {
     springs
 }
 
-/// The half where x is high is of these springs.
+/// An inlay of these springs in the half of greater x.
 fn half(springs: Springs) -> Inlay {
     Inlay { min: [0.0, -9.0, -9.0], max: [9.0; 3], springs, ..Inlay::default() }
 }
@@ -28,7 +28,7 @@ fn with(mut body: Body, inlays: Vec<Inlay>) -> Body {
     body
 }
 
-/// How much a pull of 1 N at both ends along x stretches a cube of 6 cells an edge, m.
+/// The stretch of a cube of 6 cells an edge under a pull of 1 N at both ends along x, m.
 fn stretch(springs: Springs, inlays: Vec<Inlay>) -> f64 {
     let body = with(cube(6, 1.0, springs, [0.0; 3]), inlays);
     let body = Linear::of(&simulate::<f64>(&alone(body, 1e-3)).model().bodies[0]);
@@ -48,12 +48,12 @@ fn two_halves_stretch_like_springs_in_a_row() {
     let in_a_row = 0.5 * (all_soft + all_stiff);
     for (outside, inside) in [(soft, stiff), (stiff, soft)] {
         let share = stretch(outside, vec![half(inside)]) / in_a_row;
-        // Where they meet they hold each other from growing thinner.
+        // Where the halves meet, each keeps the other from growing thinner.
         assert!((0.93..1.0).contains(&share), "{share} of halves that do not hold each other");
     }
 }
 
-/// A cube that lands aslant on the ground and a ball, the half of it stiffer and heavier.
+/// A cube that lands aslant on the ground and a ball; one half of it is stiffer and heavier.
 fn landing(integrator: Integrator) -> Scene {
     let own = springs(30.0, 0.15, 0.01);
     let body = with(cube(5, 1.0, own, [0.0, 0.8, 0.0]), vec![half(springs(120.0, 0.3, 0.03))]);

@@ -1,4 +1,4 @@
-//! Modal bodies, beside the same bodies by all their cells.
+//! Modal bodies, compared with the same bodies by all their cells.
 
 use std::sync::Arc;
 
@@ -36,12 +36,12 @@ fn beam(across: i32) -> Body {
     Body { material, moves_by: MovesBy::Modes, ..cantilever(across) }
 }
 
-/// The same so well damped that it soon rests.
+/// The beam, damped so well that it soon rests.
 fn damped() -> Body {
     Body { material: Material::Solid(Solid { damping_ratio: 5.0, ..SOLID }), ..beam(2) }
 }
 
-/// A body in a scene with gravity, in steps that are divided as they need to be.
+/// A body in a scene with gravity, in steps divided as necessary.
 pub(crate) fn hanging(body: Body, gravity: f64, obstacles: Vec<Obstacle>) -> Scene {
     let mut scene = Scene { obstacles, ..alone(body, 1e-3) };
     scene.settings.gravity = [0.0, -gravity, 0.0];
@@ -65,14 +65,14 @@ fn tip_now<R: Real>(simulation: &mut Simulation<R>) -> DVec3 {
     weights.iter().map(at).sum()
 }
 
-/// A hand that pulls the free end this far from where it starts, m.
+/// A hand that pulls the free end this far from its start, m.
 fn hand(simulation: &Simulation<f64>, stiffness: f64, way: DVec3) -> Grab<f64> {
     let grab = Grab { body: 0, weights: tip(simulation), target: DVec3::ZERO, stiffness };
     let target = grab.point(&simulation.model().bodies[0].start) + way;
     Grab { target, ..grab }
 }
 
-/// How far a motion by modes is from the full one after the same push, over three swings: root mean square over all
+/// Difference between a motion by modes and the full one after the same push, over three swings: root mean square over all
 /// particles, as a share of that of the motion.
 fn difference(scene: &Scene, pull: Option<DVec3>) -> f64 {
     let (mut full, mut modal) = (simulate::<f64>(scene), modal::<f64>(scene));
@@ -105,7 +105,7 @@ fn a_small_motion_by_modes_is_that_of_the_full_simulation() {
     for (name, off) in [("weight", weight), ("hand", pull), ("throw", throw)] {
         assert!(off < 0.05, "{name}: {off} of the motion");
     }
-    // What moves far turns, and what turns is not linear.
+    // Large motions turn the beam, and turning is not linear.
     let far = difference(&hanging(beam(2), 0.6, Vec::new()), None);
     assert!(far > 0.05, "a large motion differs: {far}");
 }
@@ -191,7 +191,7 @@ fn a_hand_pulls_a_point_to_it_and_lets_it_swing_back() {
     }
 }
 
-/// A box under the free end of a beam whose top is this far below it, m.
+/// A box whose top is this far below the free end of a beam, m.
 fn support(gap: f64) -> Obstacle {
     let thickness = 1.0 / 8.0;
     let top = -0.5 * thickness - gap;
@@ -260,7 +260,7 @@ fn an_obstacle_that_moves_pushes_the_body_along() {
 fn an_obstacle_that_comes_is_met_when_it_is_there() {
     let way = |secs: f64| 0.1 * (std::f64::consts::PI * secs).sin();
     let motion = Motion::Oscillate(Oscillate { axis: [0.0, 0.0, 1.0], amplitude: 0.1, period_secs: 2.0 });
-    // It reaches a particle on the side of the beam in the eleventh step of 1 ms.
+    // The ball reaches a particle on the side of the beam in the eleventh step of 1 ms.
     let (side, radius) = (-1.0 / 16.0, 0.1);
     let comes = Obstacle { motion: Some(motion), ..ball([0.4375, 0.0, side - radius - way(0.0105)], radius) };
     let mut waits = modal::<f64>(&hanging(beam(2), 0.0, vec![comes]));
@@ -277,7 +277,7 @@ fn a_step_costs_as_much_as_there_are_modes_however_many_cells() {
     let [few, many] = [2, 5].map(|across| work(across, Vec::new()));
     assert_eq!((few.modal_work, few.link_forces), (2000, 0), "20 modes, 100 steps");
     assert_eq!(few, many, "whatever the cells");
-    // What is far away costs a look for each obstacle, and what is near as much as comes near.
+    // A far obstacle costs one look. A near one costs as much as comes near it.
     let far = work(5, vec![plane([0.0, -1.0, 0.0], [0.0; 3], [0.5, 0.4])]);
     assert_eq!((far.modal_work, far.narrow_tests), (2100, 0), "one box is looked at");
     let near = work(5, vec![support(1e-4)]);
@@ -326,7 +326,7 @@ fn a_body_that_swings_a_million_times_as_far_as_it_is_long_has_exploded() {
     }
 }
 
-/// A modal beam over an obstacle, and a cube beside it that is not.
+/// A modal beam over an obstacle, and beside it a cube that is not modal.
 fn beside_a_cube() -> Scene {
     let mut scene = hanging(beam(2), 3.0, vec![support(0.02), plane([0.0, -1.0, 0.0], [0.0; 3], [0.5, 0.4])]);
     let mut cube = Body { shape: Shape::Cube(CubeShape { cells: 3, size: 0.3 }), ..Body::default() };

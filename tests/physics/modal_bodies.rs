@@ -1,4 +1,4 @@
-//! Modal bodies among others: of cells and modal ones, free and held.
+//! Modal bodies among others: modal ones and bodies of cells, free and held.
 
 use gelatin::physics::{Grab, Simulation};
 use gelatin::scene::body::{CellsShape, CubeShape, Pose};
@@ -11,7 +11,7 @@ use super::support::{plane, simulate};
 
 const WEIGHT: f64 = 9.81;
 
-/// A cube of firm rubber of 0.4 m and so many cells an edge, with its middle there.
+/// A cube of firm rubber of 0.4 m with `cells` cells an edge and its middle at `position`.
 fn cube(cells: u32, position: [f64; 3], moves_by: MovesBy) -> Body {
     let material = Material::Solid(Solid { young_modulus: 5e5, density: 500.0, damping_ratio: 0.05, ..Solid::DEFAULT });
     Body {
@@ -24,7 +24,7 @@ fn cube(cells: u32, position: [f64; 3], moves_by: MovesBy) -> Body {
     }
 }
 
-/// A soft cube of 0.3 m by its cells.
+/// A soft cube of 0.3 m that moves by its cells.
 fn jelly(position: [f64; 3], velocity: [f64; 3]) -> Body {
     let material = Material::Solid(Solid { young_modulus: 5e4, density: 500.0, damping_ratio: 0.2, ..Solid::DEFAULT });
     Body {
@@ -57,8 +57,8 @@ fn ground(slope_deg: f64) -> Obstacle {
     Obstacle { stiffness: ContactStiffness::Given(1e5), ..plane([0.0; 3], [0.0, 0.0, slope_deg], [0.6, 0.5]) }
 }
 
-/// Momentum (kg·m/s) and angular momentum about the origin (kg·m²/s) of all bodies. Those that swing freely have none of
-/// the swing itself.
+/// Momentum (kg·m/s) and angular momentum about the origin (kg·m²/s) of all bodies. The swing of free modal bodies has
+/// neither.
 fn momenta(of: &mut Simulation<f64>) -> [DVec3; 2] {
     of.place_modal();
     let (model, state) = (of.model(), of.state());
@@ -195,7 +195,7 @@ fn a_stack_of_cells_modes_and_cells_stands() {
 
 #[test]
 fn nothing_passes_through_a_modal_body() {
-    // A ball by cells that comes at 100 m/s is crushed and shot through a table by cells, too.
+    // A ball of cells at 100 m/s is left out: it is crushed and shot through a table of cells, too.
     let thrown = [MovesBy::Cells, MovesBy::Modes].map(|by| [1.0, 10.0, 30.0].map(|speed| (by, speed)));
     for (by, speed) in thrown.into_iter().flatten().chain([(MovesBy::Modes, 100.0)]) {
         let mut ball = cube(3, [0.0, 0.4, 0.0], by);

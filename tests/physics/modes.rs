@@ -1,4 +1,4 @@
-//! Modes against beam theory and against how often the full simulation swings. What moves by them is in `modal`.
+//! Modes against beam theory and against the frequencies of the full simulation. Motion by modes is tested in `modal`.
 
 use std::f64::consts::PI;
 
@@ -41,7 +41,7 @@ fn found(body: &BodyModel<f64>, count: usize) -> Modes {
     modal::modes(body, Wanted { count, ..Wanted::default() }, &()).expect("modes")
 }
 
-/// The mode nearest to a displacement of the particles, by mass.
+/// The mode most similar to a displacement of the particles, weighted by mass.
 fn nearest<'a>(body: &BodyModel<f64>, modes: &'a [Mode], way: impl Fn(f64) -> f64) -> &'a Mode {
     let likeness = |mode: &Mode| {
         let of = |p: usize| body.mass(p) * mode.shape[p].x * way(body.start[p].x);
@@ -56,7 +56,7 @@ fn a_free_bar_swings_along_itself_as_theory_says() {
         let body = compiled(bar(across));
         let modes = found(&body, 12).modes;
         let along = nearest(&body, &modes, |x| (PI * x).sin());
-        // Rayleigh's correction for what moves across is less than a thousandth here.
+        // Rayleigh's correction for lateral motion is less than a thousandth here.
         let theory = 0.5 * BAR_SPEED;
         let off = along.frequency_hz / theory - 1.0;
         assert!(off.abs() < 0.005, "{across} cells across: {} Hz for {theory} Hz", along.frequency_hz);
@@ -102,13 +102,13 @@ fn a_cantilever_comes_nearer_to_beam_theory_with_every_cell_across_it() {
             first / theory
         })
         .collect();
-    // Links across a cell make it too stiff to bend, as they do at rest.
+    // Links across a cell make the bar too stiff in bending, as they do at rest.
     assert!(ratios.is_sorted_by(|a, b| a > b) && ratios[3] > 1.0, "from the stiff side: {ratios:?}");
     assert!(ratios[0] < 1.2 && ratios[3] < 1.04, "and near in the end: {ratios:?}");
 }
 
-/// What Lamé's mode of a free cube is in its modes: its mean frequency by how much of it is in each, Hz, and how much of it is in
-/// those together.
+/// Decomposes Lamé's mode of a free cube into the cube's modes. Returns their mean frequency, weighted by their shares, Hz,
+/// and the sum of the shares.
 fn lame(cells: u32) -> (f64, f64) {
     let shape = Shape::Cube(CubeShape { cells, size: 1.0 });
     let body = compiled(Body { shape, material: Material::Solid(SOLID), ..Body::default() });
@@ -130,7 +130,7 @@ fn lame(cells: u32) -> (f64, f64) {
     (sum / share, share)
 }
 
-/// The only modes of a free cube that are known in closed form: `√(G/ρ)/(√2 L)`, whatever Poisson's ratio is (Lamé 1852; Mindlin,
+/// The only modes of a free cube known in closed form: `√(G/ρ)/(√2 L)`, independent of Poisson's ratio (Lamé 1852; Mindlin,
 /// "Simple modes of vibration of crystals", *Journal of Applied Physics* 27, 1956).
 #[test]
 fn a_free_cube_swings_in_lames_mode_as_theory_says() {
@@ -144,8 +144,7 @@ fn a_free_cube_swings_in_lames_mode_as_theory_says() {
     assert!(off[2].abs() < 0.01, "{off:?}");
 }
 
-/// The frequency with which the full simulation swings when it is thrown into a mode, Hz: from the zeros of the mode's
-/// amplitude.
+/// The frequency of the full simulation when it is thrown into a mode, Hz, from the zeros of the mode's amplitude.
 fn simulated_hz(body: Body, number: usize) -> (f64, f64) {
     let start = simulate::<f64>(&alone(body.clone(), 1e-3));
     let modes = found(&start.model().bodies[0], number + 1).modes;

@@ -1,5 +1,5 @@
-//! Obstacles that move by themselves: what they carry and how fast, that they do work and no more, that nothing near them
-//! sleeps, and that a motion saved in the middle goes on bit for bit.
+//! Obstacles that move on their own: what they carry and how fast, that bodies gain no more than their work, that nothing near
+//! them sleeps, and that a motion saved in the middle continues bit for bit.
 
 use gelatin::physics::{Arrival, SimdLevel, Simulation};
 use gelatin::report::judge::{Patience, judge_disturbed};
@@ -56,7 +56,7 @@ fn a_floor_that_swings_takes_along_what_it_can_hold_and_no_more() {
     for (amplitude, period, holds) in [(0.2, 2.0, true), (0.2, 0.4, false)] {
         let scene = on_a_floor(swing([1.0, 0.0, 0.0], amplitude, period));
         let mut simulation = simulate::<f64>(&scene);
-        // It starts at its fastest, which is a jerk.
+        // The swing starts at its largest speed, which is a jerk.
         run(&mut simulation, period);
         let offset = |simulation: &Simulation<f64>| {
             let phase = std::f64::consts::TAU * simulation.state().time_secs / period;

@@ -13,7 +13,7 @@ use crate::support::alone;
 const SOFT: Solid = Solid { young_modulus: 2e5, density: 1000.0, damping_ratio: 0.05, ..Solid::DEFAULT };
 const STIFF: Solid = Solid { young_modulus: 2e7, ..SOFT };
 
-/// A bar along x, 8 times as long as it is thick, of two halves with names; no wall is between them.
+/// A bar along x, 8 times as long as thick, of two named halves without a wall between them.
 fn bar(names: [&str; 2]) -> String {
     let mut text = String::new();
     for x in [0, 4, 8] {
@@ -51,8 +51,8 @@ fn compiled(names: [&str; 2], body: Body) -> Result<BodyModel<f64>, SceneError> 
     Ok(Simulation::from_scene(&alone(body, 1e-3), folder.path())?.model().bodies[0].clone())
 }
 
-/// By what angles, in radians, the held half of the bar and the other one bend under their weight, and how far its end sinks,
-/// m; it is held where x is lowest.
+/// The angles, rad, by which the held half of the bar and the other half bend under their weight, and how far the bar's end
+/// sinks, m. The bar is held at its lowest x.
 fn bends(model: &BodyModel<f64>) -> ([f64; 2], f64) {
     let mut bar = Linear::of(model);
     bar.hold(DVec3::ONE, |start| start.x < -0.4 + 1e-9);
@@ -62,7 +62,7 @@ fn bends(model: &BodyModel<f64>) -> ([f64; 2], f64) {
         let on_axis = |start: &DVec3| start.distance(DVec3::X * x) < 1e-6;
         moved[model.start.iter().position(on_axis).expect("a particle on the axis")].y
     };
-    // Of cross sections, which shear does not turn.
+    // The angle of a cross section, which shear does not turn.
     let turn = |x: f64| {
         let along = |y: f64| {
             let there = |start: &DVec3| start.distance(DVec3::new(x, y, 0.0)) < 1e-6;
@@ -73,7 +73,7 @@ fn bends(model: &BodyModel<f64>) -> ([f64; 2], f64) {
     ([turn(0.0) - turn(-0.4), turn(0.4) - turn(0.0)].map(f64::abs), -height(0.4))
 }
 
-/// Under an even load the held half of an even cantilever bends seven times as much as the other.
+/// Under an even load the held half of a uniform cantilever bends seven times as much as the other.
 #[test]
 fn a_bar_bends_where_it_is_soft() {
     let halves = ["o soft", "o stiff"];

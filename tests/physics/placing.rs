@@ -1,4 +1,4 @@
-//! Obstacles that are suddenly inside a body, as a typed value puts them: the body comes out of them whole.
+//! Obstacles that are suddenly inside a body, as typed values may place them: the body comes out of them whole.
 
 use gelatin::physics::Arrival;
 use gelatin::physics::Simulation;
@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use crate::support::{ball, lattices, run, simulate};
 
-/// Simulated time in which the cube gets out of what is put into it, s.
+/// Simulated time in which the cube gets out of an obstacle, s.
 const OUT_SECS: f64 = 2.5;
 
 /// The default cube at rest on the ground, which is the only obstacle.
@@ -31,12 +31,12 @@ fn plate(center: [f64; 3], rotation_deg: [f64; 3]) -> Obstacle {
     Obstacle { shape, ..Obstacle::default() }
 }
 
-/// The cube gets out of an obstacle that is put into it and is as whole as before.
+/// Checks that the cube gets out of an obstacle placed inside it, and is as whole as before.
 fn check(scene: &Scene, kept: &[Option<usize>], simulation: Simulation<f32>, what: &str) -> Simulation<f32> {
     check_strained(scene, kept, simulation, what, 0.5)
 }
 
-/// As [`check`], strained by no more than `most`.
+/// As [`check`], with a strain of at most `most`.
 fn check_strained(
     scene: &Scene,
     kept: &[Option<usize>],
@@ -95,7 +95,7 @@ fn a_ball_put_into_or_around_a_resting_cube_moves_it_out_whole() {
             let (mut scene, simulation) = resting(integrator);
             scene.obstacles.push(ball(center, radius));
             let what = format!("{integrator:?}, {center:?}, {radius} m");
-            // A ball that lifts the cube strains it as one that it falls on: by 0.63 in the preset.
+            // A ball that lifts the cube strains it like one that the cube falls on: by 0.63 in the preset.
             let simulation = check_strained(&scene, &[Some(0), None], simulation, &what, 0.6);
             let distances = simulation.state().position.iter().map(|x| x.as_dvec3().distance(center.into()));
             let nearest = distances.fold(f64::MAX, f64::min);
@@ -119,12 +119,12 @@ fn the_ground_lifts_what_stands_on_it() {
 
 #[test]
 fn what_cannot_get_out_is_left_alone() {
-    // A ceiling of 0.9 m over a cube of 1 m: it presses with some times the weight and waits.
+    // The ceiling of 0.9 m over a cube of 1 m presses with some times the weight and waits.
     let (mut scene, simulation) = resting(Integrator::SemiImplicit);
     scene.obstacles.push(plate([0.0, 0.9, 0.0], [0.0; 3]));
     let simulation = check(&scene, &[Some(0), None], simulation, "a ceiling");
     assert!(simulation.state().approaches[0].waits, "it would have to press harder");
-    // Raised above the cube it lets go.
+    // Raised above the cube, the ceiling lets go.
     let mut simulation = simulation;
     scene.obstacles[1] = plate([0.0, 1.2, 0.0], [0.0; 3]);
     simulation.set_parameters(&scene, &lattices(&scene), &[Some(0), Some(1)], Arrival::Placed);

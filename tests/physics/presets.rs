@@ -1,5 +1,5 @@
-//! What the presets promise, run for eight simulated seconds. The three expensive ones (coupler-20, coupler-40, spot) are
-//! left out for time; `gelatin run NAME --seconds 8` shows the same figures for them.
+//! The promises of the presets, tested over eight simulated seconds. The three expensive ones (coupler-20, coupler-40, spot)
+//! are left out to save time; `gelatin run NAME --seconds 8` shows the same figures for them.
 
 use std::path::PathBuf;
 
@@ -68,7 +68,7 @@ fn what_hits_the_row_goes_on_in_its_last() {
     assert!(after[4] > 0.4 * before[0] && most_of_others < 0.2 * before[0], "{before:?}, then {after:?}");
 }
 
-/// How far the middle of the heavy U is above the ground after some time, m, and how many substeps the last step took.
+/// Height of the heavy U's middle above the ground after some time, m, and the number of substeps of the last step.
 fn heavy_u(change: impl Fn(&mut Scene), secs: f64) -> (f64, u64) {
     let mut scene = (preset("hook").expect("a preset").build)();
     change(&mut scene);
@@ -94,7 +94,7 @@ fn a_u_stays_hooked_in_another_also_at_a_hundred_times_its_weight() {
     };
     let (held, substeps) = heavy_u(pulled, 10.0);
     assert!((1.2..1.7).contains(&held), "pulled it hangs at {held} m");
-    // Its links are stretched by a fifth: more than the stabilised scheme bears, and little for the one that takes contact.
+    // Its links are stretched by a fifth: too much for the stabilised scheme, and little for the scheme that takes contact.
     assert!((20..30).contains(&substeps), "{substeps} substeps in a step, as of bodies at rest, not 154");
 }
 
@@ -111,7 +111,7 @@ fn the_stack_stands() {
 
 #[test]
 fn the_ribbon_folds_onto_itself_and_lies_in_itself_without_contact() {
-    // Contacts with itself, and how high it lies after 8 s, m.
+    // Contacts of the ribbon with itself, and the height at which it lies after 8 s, m.
     let lying = |self_collides: bool| {
         let mut scene = (preset("fold").expect("a preset").build)();
         scene.bodies[0].self_collides = self_collides;
@@ -162,7 +162,7 @@ fn the_conveyor_carries_both_jellies_off_its_end() {
     }
 }
 
-/// What a look at a preset finds every 50 ms, while it stays sound.
+/// Looks at a preset every 50 ms; it must stay sound.
 fn watched<T>(name: &str, looks: usize, look: impl Fn(&Simulation<f32>) -> T) -> Vec<T> {
     let mut simulation = simulate::<f32>(&(preset(name).expect("a preset").build)());
     let looks = (0..looks).map(|_| {
@@ -209,7 +209,7 @@ fn the_bridge_of_loose_parts_hangs_together_and_sways() {
     assert!(looks[59].3 > 0.8, "it carries the load, which is {} m high", looks[59].3);
 }
 
-/// The middles of all bodies of a preset that is moved by modes, every twentieth of a second.
+/// The middles of all bodies of a preset that moves by modes, every twentieth of a second.
 fn middles(name: &str, looks: usize) -> Vec<Vec<DVec3>> {
     let preset = preset(name).expect("a preset of this name");
     let mut session = Session::new((preset.build)(), PathBuf::new(), name.to_owned()).expect("presets resolve");

@@ -1,4 +1,4 @@
-//! Ways to break a cube, and that it comes back (S7; the "broken cube" of GC §10).
+//! Ways to break a cube, each of which it recovers from (S7; the "broken cube" of GC §10).
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use glam::DVec3;
 use crate::determinism::allocations;
 use crate::support::{cube, falling, lattices, plane, run, simulate, springs};
 
-/// What happens to the cube before it is left alone.
+/// What is done to the cube before it is left alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Break {
     CornerPushed,
@@ -41,12 +41,12 @@ const WAYS: [Break; 9] = [
     Break::Thrown,
 ];
 
-/// A 1 m, 1 kg cube of `n` particles an edge in the state that breaks it, in automatic stepping.
+/// A 1 m, 1 kg cube of `n` particles an edge in the broken state, in automatic stepping.
 fn broken<R: Real>(n: u32, constants: Springs, way: Break, change: impl Fn(&mut Scene)) -> Simulation<R> {
     broken_from(17, n, constants, way, change)
 }
 
-/// The same from another random start.
+/// As [`broken`], from another random start.
 fn broken_from<R: Real>(
     seed: u64,
     n: u32,
@@ -167,7 +167,7 @@ fn held_and_rubbing_cubes_come_back_too() {
             let top = PinBox { min: [-1.0, 0.49, -1.0], max: [1.0, 1.0, 1.0] };
             scene.bodies[0].pins.push(top);
         };
-        // A cube mirrored against what is held is not broken but twisted by its pins.
+        // A cube mirrored against its pins is not broken but twisted by them.
         if !matches!(way, Break::Dropped | Break::Thrown | Break::Mirrored) {
             assert_eq!(left_broken(broken::<f32>(7, even(7, 4.0), way, held)), 0, "{way:?}, its top held");
         }
@@ -185,7 +185,7 @@ fn families_far_apart_come_back() {
     let far_apart =
         [[high, low, low], [low, high, low], [low, low, high], [high, high, low], [high, low, high], [low, high, high]];
     for stiffness in far_apart.into_iter().chain([[4.0, 0.0, 0.0], [40.0, 4.0, 0.4], [30.0, 25.0, 12.0]]) {
-        // Shear links alone make a knot of a point, which comes undone most of the time: see below.
+        // Shear links alone make a knot when crushed to a point, which comes undone only most of the time: see below.
         let [structural, shear, bending] = stiffness;
         let is_knotted = |way: Break| matches!(way, Break::Collapsed) && shear > 100.0 * (structural + bending);
         for way in WAYS.into_iter().filter(|way| !is_knotted(*way)) {
@@ -194,10 +194,10 @@ fn families_far_apart_come_back() {
     }
 }
 
-/// Shear links alone, and shear and bending links: what they make of a point is a knot of many.
+/// Shear links alone, and shear and bending links: crushed to a point, many of them stay knotted.
 const KNOTTED: [[f64; 3]; 2] = [[0.04, 400.0, 0.04], [0.04, 400.0, 400.0]];
 
-/// Inverted cells after so long of a cube that was crushed to a point.
+/// Inverted cells of a cube crushed to a point, after `secs` seconds.
 fn left_knotted(n: u32, stiffness: [f64; 3], seed: u64, secs: f64, change: impl Fn(&mut Scene)) -> usize {
     let mut simulation = broken_from::<f32>(seed, n, families(n, stiffness), Break::Collapsed, change);
     run(&mut simulation, secs);
@@ -206,7 +206,7 @@ fn left_knotted(n: u32, stiffness: [f64; 3], seed: u64, secs: f64, change: impl 
     now.inverted_cells
 }
 
-/// A knot comes undone or not by chance: which start does changes with the rounding of a force.
+/// Whether a knot comes undone is chance: it changes with the start and with the rounding of a force.
 #[test]
 fn most_shear_links_crushed_to_a_point_come_back() {
     let broken_with = |starts: Range<u64>, change: fn(&mut Scene)| {
@@ -234,7 +234,7 @@ fn knots_come_undone_with_other_schemes() {
     }
 }
 
-/// A cube that was crushed to a point, told that it is stuck while its cells are still inverted: left alone it comes undone.
+/// A cube that was crushed to a point and is marked as stuck while cells are still inverted. Left alone, it comes undone.
 fn stuck() -> Simulation<f32> {
     let mut simulation = broken_from::<f32>(17, 8, families(8, KNOTTED[1]), Break::Collapsed, |_| ());
     for _ in 0..50 {
@@ -243,7 +243,7 @@ fn stuck() -> Simulation<f32> {
     let mut state = simulation.state().clone();
     state.bodies[0].stuck = true;
     simulation.set_state(state);
-    // A copy of a state has room for what is in it and no more.
+    // The copied state has no spare memory, so the next substeps allocate some.
     for _ in 0..20 {
         simulation.substep(&mut ());
     }
@@ -306,8 +306,8 @@ fn undamped_cubes_gain_no_energy_from_recovery() {
     }
 }
 
-/// Of undamped cubes the energy, and what recovery has taken of it, over the energy at the start: the largest of both sums,
-/// the smallest, and the largest share taken.
+/// For an undamped cube: the largest and the smallest sum of its energy and the energy that recovery has taken, and the
+/// largest energy taken; all as shares of the energy at the start.
 fn account_of(stiffness: [f64; 3], way: Break, integrator: Integrator) -> [f64; 3] {
     let constants = Springs {
         structural: Spring { stiffness: stiffness[0], damping: 0.0 },
@@ -348,9 +348,9 @@ fn the_account_of_recovery_has_all_that_it_takes_and_gives() {
     }
 }
 
-/// The mean energy of an undamped plate of bending links after a while, over that at the start. Its sublattices, which
-/// nothing holds together, lie up to `apart` cell sizes from their places in one plane and drift through each other, so
-/// that the cells between them are as wide as that and turn over all the time.
+/// The mean energy of an undamped plate of bending links after a while, as a share of the energy at the start. Its
+/// sublattices, which nothing holds together, lie up to `apart` cell sizes from their places in one plane. They drift
+/// through each other, so the cells between them become that wide and turn over all the time.
 fn energy_of_wide_cells(seed: u64, apart: f64) -> f64 {
     let mut constants = springs(0.0, 0.0, 1.0 / 125.0);
     constants.bending.stiffness = 12.0;
@@ -360,7 +360,7 @@ fn energy_of_wide_cells(seed: u64, apart: f64) -> f64 {
     let mut scene = falling(plate);
     scene.settings.gravity = [0.0; 3];
     scene.settings.allow_implicit = false;
-    // As long as is safe.
+    // The step is as long as is safe.
     scene.settings.dt = 0.02;
     let mut simulation = simulate::<f64>(&scene);
     let body = &simulation.model().bodies[0];
@@ -425,13 +425,13 @@ fn a_step_that_recovers_allocates_nothing() {
         for stiffness in [[4.0; 3], [0.04, 400.0, 0.04]] {
             let crumpled = broken::<f32>(5, families(5, stiffness), Break::Crumpled(2.0), |scene| {
                 scene.settings.integrator = integrator;
-                // Room for that is made when it is near itself for the first time.
+                // A body allocates memory when it is near itself for the first time.
                 scene.bodies[0].self_collides = false;
             });
             assert_eq!(allocated_while_recovering(crumpled), 0, "{integrator:?}, {stiffness:?}");
         }
     }
-    // Constants that a person moves apart on the way.
+    // These constants are changed on the way, as a person may do.
     let mut scene = falling(cube(4, 1.0, even(5, 4.0), [0.0; 3]));
     scene.bodies[0].self_collides = false;
     let mut simulation =
@@ -445,7 +445,7 @@ fn allocated_while_recovering(mut simulation: Simulation<f32>) -> u64 {
     allocated_while(&mut simulation, 100)
 }
 
-/// Allocations in five steps in which at least so many cells are pushed.
+/// Allocations in five steps that push at least `least` cells.
 fn allocated_while(simulation: &mut Simulation<f32>, least: u64) -> u64 {
     let before = allocations();
     let pushed: u64 = (0..5).map(|_| simulation.step().counters.recovery_cells).sum();

@@ -1,4 +1,4 @@
-//! Models whose cells weigh what is in them (J5).
+//! Models whose cells weigh the sampled part of the model in them (J5).
 
 use std::fmt::Write;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn compiled(path: &Path, divisions: u32, mass_from: MassFrom) -> BodyModel<f64> 
     simulation.model().bodies[0].clone()
 }
 
-/// A rod along x, 1 m long, whose section is a polygon of so many corners in a circle.
+/// A rod along x, 1 m long, whose section is a polygon of `corners` corners in a circle.
 fn rod(radius: f64, corners: usize) -> String {
     let mut text = String::new();
     for x in [0.0, 1.0] {
@@ -46,7 +46,7 @@ fn rod(radius: f64, corners: usize) -> String {
     text
 }
 
-/// Closed models of every size that meet what extreme scenes hold, as solids whose cells weigh what is in them.
+/// Puts closed models of all sizes into extreme scenes, as solids with sampled masses.
 #[test]
 fn sampled_models_stay_whole_in_extreme_scenes() {
     let patience = Patience { seconds: 2.0, most_link_forces: 2_000_000 };
@@ -79,7 +79,7 @@ fn sampled_models_stay_whole_in_extreme_scenes() {
     assert!(looked_at > 35 && 3 * whole > looked_at, "only {whole} of {looked_at} were watched to their end");
 }
 
-/// The volume of the mesh that a body is made of, m³ (Gauss).
+/// The volume of a body's mesh, m³ (Gauss).
 fn enclosed(path: &Path) -> f64 {
     let shape = ModelShape { path: path.to_string_lossy().into_owned(), ..ModelShape::default() };
     let mesh = resolve(&Shape::Model(shape), Path::new(""), &()).expect("a sound model").mesh.expect("a model");
@@ -113,7 +113,7 @@ fn a_model_weighs_its_density_times_its_volume_in_any_number_of_divisions() {
     }
 }
 
-/// Boxes between two corners each, all facing outwards.
+/// Boxes, each given by two corners, all facing outwards.
 fn boxes(of: &[[[f64; 3]; 2]]) -> String {
     let mut text = String::new();
     for (number, ends) in of.iter().enumerate() {
@@ -155,12 +155,12 @@ fn deflection(body: &Linear, radius: f64) -> f64 {
     found / (weight * (1.0 / (5.0 * radius * radius) + 2.5 * 17.0 / (3.0 * 15.0)))
 }
 
-/// How far a rod that hangs from its end, which is free to grow thinner, stretches under its own weight, weighted by mass, over
-/// `ρ g L²/(3 E)`.
+/// The stretch of a rod that hangs from its end under its own weight and is free to grow thinner, weighted by mass, over `ρ
+/// g L²/(3 E)`.
 fn stretch(body: &Linear) -> f64 {
     let mut body = body.clone();
     let is_end = |start: DVec3| start.x < -0.5 + 1e-9;
-    // Two particles beside each other along z keep it from moving across and from turning about itself.
+    // Two particles side by side along z keep the rod from moving across and from turning about its axis.
     let near_axis = |a: &&DVec3, b: &&DVec3| a.y.abs().total_cmp(&b.y.abs()).then(a.z.total_cmp(&b.z));
     let first = *body.start.iter().filter(|start| is_end(**start)).min_by(near_axis).expect("an end");
     let is_beside = |start: DVec3| is_end(start) && start.y.to_bits() == first.y.to_bits();
@@ -172,7 +172,7 @@ fn stretch(body: &Linear) -> f64 {
     found / (SOLID.density * 9.81 / (3.0 * SOLID.young_modulus))
 }
 
-/// Few cells across bend less than many, which is no matter of samples; what hangs is stretched alike.
+/// Few cells across bend less than many, independently of sampling; a hanging rod stretches alike.
 #[test]
 fn a_round_rod_that_hangs_sags_alike_in_any_number_of_divisions() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -187,7 +187,8 @@ fn a_round_rod_that_hangs_sags_alike_in_any_number_of_divisions() {
     }
 }
 
-/// Where only masses were taken from samples (SC) the rod would be as stiff as its cells and lighter: stiffness follows.
+/// If only the masses came from samples (SC), the rod would be lighter but as stiff as its cells; so the stiffness follows,
+/// too.
 #[test]
 fn a_round_rod_bends_more_like_a_beam_if_its_cells_are_as_full_as_they_are() {
     let folder = tempfile::tempdir().expect("a folder");

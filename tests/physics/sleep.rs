@@ -1,4 +1,4 @@
-//! Bodies at rest sleep, and nothing that moves does.
+//! Bodies at rest sleep, and moving ones do not.
 
 use gelatin::math::Real;
 use gelatin::physics::Arrival;
@@ -20,7 +20,7 @@ fn resting() -> Scene {
     scene
 }
 
-/// Runs until all sleep, at most for `seconds`; the time it took.
+/// Runs until all bodies sleep, at most for `seconds`; returns the time it took.
 fn sleeps_within<R: Real>(simulation: &mut Simulation<R>, seconds: f64) -> Option<f64> {
     let begin = simulation.state().time_secs;
     while simulation.state().time_secs < begin + seconds {
@@ -172,7 +172,7 @@ fn a_throw_and_another_place_wake_it() {
     assert!(!simulation.is_asleep(), "somewhere else it may fall");
 }
 
-/// Runs for some time in which nothing may fall asleep.
+/// Checks that nothing falls asleep for some time.
 fn stays_awake(scene: &Scene, seconds: f64, what: &str) {
     let mut simulation = simulate::<f32>(scene);
     let time = sleeps_within(&mut simulation, seconds);
@@ -284,7 +284,7 @@ fn a_soft_half_that_creeps_home_keeps_a_body_awake_however_stiff_the_other_is() 
         run(&mut simulation, 2.0);
         simulation.is_asleep()
     };
-    // One comes home in a ten thousandth of a second, the other in 20 s.
+    // The first springs return to rest in a ten thousandth of a second, the second ones in 20 s.
     let (stiff, slow) = (springs(4000.0, 0.5, 0.02), springs(1.0, 20.0, 0.02));
     assert!(!is_asleep(stiff, slow), "its top is still on its way");
     assert!(is_asleep(stiff, springs(1000.0, 2.0, 0.02)));

@@ -1,4 +1,4 @@
-//! Bodies given by Young's modulus and density: the same solid at every resolution.
+//! Bodies given by Young's modulus and density are the same solid at every resolution.
 
 use gelatin::physics::Arrival;
 use gelatin::physics::BodyModel;
@@ -26,7 +26,7 @@ fn solid_cube(cells: u32) -> Body {
     cube(cells, Material::Solid(SOLID))
 }
 
-/// What a pull of 1 N at both ends along x shows: the modulus, Pa, and Poisson's ratio.
+/// The modulus, Pa, and Poisson's ratio, measured by a pull of 1 N at both ends along x.
 fn pulled(body: &BodyModel<f64>, cells: u32) -> [f64; 2] {
     let body = Linear::of(body);
     let cell = 1.0 / f64::from(cells);
@@ -50,7 +50,7 @@ fn a_pull_measures_the_modulus_at_every_resolution() {
     }
 }
 
-/// The patch test: what stretches evenly needs no forces but those at its ends.
+/// The patch test: an even stretch needs no forces except at its ends.
 #[test]
 fn an_even_stretch_is_in_balance_inside_and_at_free_surfaces() {
     let strain = DVec3::new(1.0, -0.25, -0.25);
@@ -67,7 +67,7 @@ fn an_even_stretch_is_in_balance_inside_and_at_free_surfaces() {
     }
 }
 
-/// The control: links that do not share are too stiff at every surface, the more of it there is.
+/// The control: links that are not shared out are too stiff at every surface, the more so the more surface there is.
 #[test]
 fn springs_that_are_all_alike_are_stiffer_the_fewer_they_are() {
     let mut last = f64::INFINITY;
@@ -95,7 +95,7 @@ fn weight(body: &Linear) -> Vec<DVec3> {
     body.mass.iter().map(|mass| DVec3::NEG_Y * (9.81 * mass)).collect()
 }
 
-/// The solid cube hung by its top, `held` of which is held.
+/// The solid cube hung by its top, with the axes `held` held there.
 fn hung(cells: u32, held: DVec3) -> Linear {
     let mut body = Linear::of(&compiled(solid_cube(cells)));
     body.hold(held, |start| start.y > 0.5 - 1e-9);
@@ -104,7 +104,7 @@ fn hung(cells: u32, held: DVec3) -> Linear {
 
 #[test]
 fn a_hanging_body_sags_alike_at_every_resolution() {
-    // With its top free to shrink the cube is a bar: ρ g L²/(2 E).
+    // If its top is free to shrink, the cube is a bar: ρ g L²/(2 E).
     let bar = SOLID.density * 9.81 / (2.0 * SOLID.young_modulus);
     let mut pinned = Vec::new();
     for cells in [7, 20, 40] {
@@ -147,7 +147,7 @@ fn a_body_weighs_its_cells() {
     assert!((-dot(&weight, &vec![DVec3::Y; weight.len()]) / (9.81 * expected) - 1.0).abs() < 1e-12, "and its weight");
 }
 
-/// A cube hung by its top, the half at positive x of which is ten times as stiff.
+/// A cube hung by its top; the half of positive x is ten times as stiff.
 fn half_stiff() -> Scene {
     let stiff = Solid { young_modulus: 10.0 * SOLID.young_modulus, ..SOLID };
     let mut body = solid_cube(6);
@@ -168,7 +168,7 @@ fn of_two_materials_in_one_body_the_stiffer_sags_less() {
         body.start[particle].y - simulation.state().position[particle].y
     };
     let [soft, middle, stiff] = [-0.5, 0.0, 0.5].map(sag);
-    // What the soft side pulls down tilts the stiff one: its outer edge may even rise.
+    // The pull of the soft side tilts the stiff one, whose outer edge may even rise.
     assert!(soft > 2.0 * middle && middle > stiff, "{soft}, {middle}, {stiff} m");
 }
 
@@ -186,7 +186,7 @@ fn the_stiffest_part_of_a_body_limits_its_step_and_a_change_of_it_is_heeded() {
     assert!((limit(&simulation) / fresh - 1.0).abs() < 1e-15, "as if it had never been there: {fresh} s");
 }
 
-/// What holds a particle at rest is the body's weight, however unequal its particles are.
+/// The force that holds a body at rest is its weight, however unequal its particles are.
 #[test]
 fn a_solid_rests_on_a_plane_with_its_weight() {
     let solid = Solid { damping_ratio: 0.5, ..SOLID };

@@ -1,4 +1,4 @@
-//! The stabilised scheme: its limit, its motion, and the forces of what it holds.
+//! The stabilised scheme: its limit, its motion, and the forces of its contacts.
 
 use gelatin::physics::{Grab, Simulation};
 use gelatin::scene::settings::{Integrator, Stepping};
@@ -8,8 +8,8 @@ use glam::DVec3;
 use crate::integrators::{growth, hanging, rms_distance, shake};
 use crate::support::{alone, cube, falling, plane, simulate, springs};
 
-/// Where stiffness is too much for the damping, and where damping is too much for the most stages; more stages are taken
-/// up to there.
+/// Covers limits set by too much stiffness for the damping, and by too much damping for the most stages; below that limit more
+/// stages are taken.
 #[test]
 fn the_stabilised_scheme_is_stable_below_its_limit() {
     for delay in [2e-3, 2e-2, 2.0] {
@@ -22,7 +22,7 @@ fn the_stabilised_scheme_is_stable_below_its_limit() {
     }
 }
 
-/// Damping asks semi-implicit Euler for many substeps and the stabilised scheme for a few stages, and both find the same
+/// Because of damping semi-implicit Euler needs many substeps and the stabilised scheme a few stages. Both find the same
 /// motion.
 #[test]
 fn it_finds_the_same_motion_with_fewer_evaluations_where_damping_limits() {
@@ -72,7 +72,7 @@ fn automatic_stepping_takes_it_within_each_step_where_it_is_cheaper_and_only_the
     assert_ne!(plan(&undamped).0, Integrator::Stabilised, "vibrations leave it no long step");
 }
 
-/// What a person sees after a step, and what is saved then, is at its end.
+/// After a step, the state that a person sees and that is saved is the state at the step's end.
 #[test]
 fn every_step_of_a_scene_that_it_takes_moves_it() {
     for name in ["coupler-20", "coupler-40", "spot"] {
@@ -100,7 +100,7 @@ fn thrown() -> Scene {
     scene
 }
 
-/// By how much the momentum of a substep is changed by more than weight and contact, N·s, and the largest change seen.
+/// The largest change of momentum in a substep that weight and contact do not explain, N·s, and the largest change of all.
 fn unexplained(simulation: &mut Simulation<f64>) -> (f64, f64) {
     let mass = simulation.diagnostics().mass_kg;
     let (mut most, mut largest) = (0.0_f64, 0.0_f64);
@@ -138,7 +138,7 @@ fn a_cube_slides_as_far_as_friction_lets_it() {
     assert!((way / coulomb - 1.0).abs() < 0.05, "{way} m, v²/2μg is {coulomb} m");
 }
 
-/// By how much more than Coulomb's limit friction does in all, over all that contact presses with.
+/// The force of friction in excess of Coulomb's limit, summed over steps, as a share of all pressing forces.
 fn excess_of_friction(simulation: &mut Simulation<f64>, steps: usize) -> f64 {
     let (mut excess, mut pressed) = (0.0, 0.0);
     for _ in 0..steps {
@@ -154,7 +154,7 @@ fn excess_of_friction(simulation: &mut Simulation<f64>, steps: usize) -> f64 {
     excess / pressed
 }
 
-/// It stood up against the ball and rocked for a minute where friction threw it.
+/// Friction once threw the body, so that it stood up against the ball and rocked for a minute.
 #[test]
 fn a_body_that_tumbles_from_a_ball_is_rubbed_by_coulombs_law_and_comes_to_rest() {
     let mut scene = (presets::preset("u-on-sphere").expect("a preset").build)();
@@ -168,7 +168,7 @@ fn a_body_that_tumbles_from_a_ball_is_rubbed_by_coulombs_law_and_comes_to_rest()
     assert!(diagnostics.center.y < 0.2, "it lies: its middle is at {} m", diagnostics.center.y);
 }
 
-/// Its substep is as long as a body at rest bears; an edge that catches a part of it tears it within that.
+/// The substep is as long as a body at rest allows; an edge that catches a part of the body tears it within that time.
 #[test]
 fn what_is_torn_by_an_edge_within_a_substep_gains_no_energy() {
     let mut scene = alone(cube(3, 0.01, springs(0.3, 6e-4, 8e-5), [0.0, 0.02, 0.0]), 4e-3);

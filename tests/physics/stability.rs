@@ -9,10 +9,10 @@ use glam::DVec3;
 
 use crate::support::{alone, ball, cube, falling, plane, simulate, springs};
 
-/// Steps after which a body that has not blown up counts as stable.
+/// A body that has not blown up after this many steps counts as stable.
 const STEPS: usize = 1500;
 
-/// Whether a shaken 8³ cube stays bounded with this step, in double precision.
+/// Whether a shaken cube of 8³ particles stays bounded with this step, in double precision.
 fn survives(constants: Springs, size: f64, dt: f64) -> bool {
     let cells = 7;
     let scene = alone(cube(cells, size, constants, [0.0; 3]), dt);
@@ -45,7 +45,7 @@ fn the_predicted_limit_is_never_above_the_measured_one_and_near_it() {
         let mut constants = springs(decades(1.0, 6.0), 0.0, decades(-4.0, 1.0));
         let size = decades(-1.0, 1.0);
         if case % 2 == 1 {
-            // As much damping as stiffness at the limit, then more.
+            // First the damping equals the stiffness at the limit, then there is more damping.
             let damping = constants.structural.stiffness * predicted(constants, size) * f64::from(case);
             constants = Springs {
                 structural: Spring { damping, ..constants.structural },
@@ -78,7 +78,7 @@ fn automatic_stepping_survives_what_manual_stepping_does_not() {
     assert!(!diverged && speed < 5.0, "in automatic mode it merely lands: {speed} m/s");
 }
 
-/// Random springs over many decades; times short enough that any number of substeps is affordable.
+/// Random springs over many decades, run for so short a time that any number of substeps is affordable.
 #[test]
 fn no_numbers_within_their_ranges_explode_a_jelly() {
     let mut rng = Rng::new(5);
@@ -106,7 +106,7 @@ fn no_numbers_within_their_ranges_explode_a_jelly() {
     }
 }
 
-/// Somebody who waits for no step.
+/// A timer that gives up every step.
 struct Never;
 
 impl StageTimer for Never {

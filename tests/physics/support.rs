@@ -30,18 +30,18 @@ pub(crate) fn cube(cells: u32, size: f64, springs: Springs, position: [f64; 3]) 
     }
 }
 
-/// One body, nothing to meet, no gravity, steps exactly as asked for.
+/// A body alone without gravity, in undivided steps.
 pub(crate) fn alone(body: Body, dt: f64) -> Scene {
     let mut scene = Scene { bodies: vec![body], ..Scene::default() };
     scene.settings.gravity = [0.0; 3];
     scene.settings.stepping = Stepping::Manual;
     scene.settings.dt = dt;
-    // What is measured must be what moves: sleep has tests of its own.
+    // Measured bodies must keep moving; sleep has tests of its own.
     scene.settings.sleeping = false;
     scene
 }
 
-/// One body under gravity, steps of 1 ms divided as they need to be.
+/// One body under gravity, in steps of 1 ms divided as necessary.
 pub(crate) fn falling(body: Body) -> Scene {
     let mut scene = alone(body, 1e-3);
     scene.settings.gravity = [0.0, -9.81, 0.0];

@@ -1,4 +1,4 @@
-//! The work of obstacles is what bodies gain by them; the work of the program is what a scene needs and no more.
+//! The work of obstacles equals what bodies gain by them; the program does only the work that a scene needs.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use gelatin::scene::{ObstacleShape, Scene, Springs};
 
 use crate::support::{ball, cube, falling, lattices, plane, run, simulate, springs};
 
-/// A cube of links so stiff and damped that no explicit step takes them, held at its top.
+/// A cube held at its top, with links too stiff and too damped for any explicit step.
 fn hanging_stiff_cube() -> Scene {
     let spring = |stiffness, damping| Spring { stiffness, damping };
     let constants = Springs {
@@ -32,7 +32,7 @@ fn a_body_at_rest_is_not_divided_for_what_is_only_rounding() {
     let mut simulation = simulate::<f32>(&hanging_stiff_cube());
     let (mut tried, mut halved) = (0, 0);
     for _ in 0..200 {
-        // Before it had an end, a substep at rest was halved a million times.
+        // Without a limit, a substep at rest was once halved a million times.
         while tried < 2000 {
             let report = simulation.substep(&mut ());
             tried += u64::from(report.counters.substeps + report.counters.halved > 0);
@@ -47,7 +47,7 @@ fn a_body_at_rest_is_not_divided_for_what_is_only_rounding() {
     assert!(simulation.diagnostics().max_speed < 1e-6, "it hangs");
 }
 
-/// Two seconds of a light cube 2 m large that begins within a ball, and what happens on the way.
+/// A light cube 2 m large that begins within a ball, with the obstacles of `after`.
 fn within_a_ball(after: &Scene) -> Scene {
     Scene { obstacles: after.obstacles.clone(), ..falling(cube(2, 2.0, springs(15.0, 0.02, 2e-4), [1.0, -2.0, 4.0])) }
 }
@@ -88,7 +88,7 @@ fn an_obstacle_that_is_about_to_sweep_still_holds_what_it_held() {
     assert!(before > 1.0 && (now / before - 1.0).abs() < 1e-6, "{before} J became {now} J before anything moved");
 }
 
-/// A cube without damping that is thrown upon an edge, harder than the implicit integrator can follow in any step.
+/// An undamped cube that is thrown onto an edge, harder than the implicit integrator can follow in any step.
 fn shattering_cube() -> Scene {
     let mut scene = falling(cube(3, 0.5, springs(1e7, 0.0, 1e-3), [0.0, 0.6, 0.0]));
     scene.bodies[0].velocity = [0.0, -300.0, 0.0];
@@ -115,14 +115,14 @@ fn work_has_a_limit_that_is_told_and_gives_no_energy() {
                 break;
             }
         }
-        // The try that reaches the limit, and a part for each halving that it takes to the end.
+        // The try that reaches the limit, and a part for each halving until the end.
         let one_try = 16 * (400 + 10);
         assert!(work <= most + 26 * one_try, "{work} iterations in a substep");
         gained = gained.max(simulation.diagnostics().energy.total() / start);
     }
     assert!(slowed > 0, "the limit is told");
     assert!(gained < 1.05, "{gained} of the energy that it had");
-    // What is remembered of the work is part of the state.
+    // The remembered work is part of the state.
     let mut copy = simulate::<f32>(&shattering_cube());
     copy.plan_mut().most_work = most;
     copy.set_state(simulation.state().clone());

@@ -1,4 +1,4 @@
-//! Pictures under panels, as they land on a window's surface.
+//! Pictures under panels, as they appear on a window's surface.
 
 use gelatin::render::readback::read_image;
 use gelatin::render::{Compositor, Viewport};
@@ -26,7 +26,7 @@ fn texture(studio: &Studio, [width, height]: [u32; 2], texels: &[[u8; 4]]) -> wg
     texture
 }
 
-/// What a surface of 4 × 2 grey pixels shows where a picture fills its right half under `panels`.
+/// The pixels of a surface of 4 × 2 grey pixels after a picture fills its right half under `panels`.
 fn composed(picture_size: [u32; 2], picture: &[[u8; 4]], panels: &[[u8; 4]; 8]) -> Vec<[u8; 4]> {
     let studio = Studio::new();
     let compositor = Compositor::new(&studio.gpu.device, FORMAT);

@@ -1,4 +1,4 @@
-//! Whatever cannot be drawn is an error with a sentence, and the device goes on working.
+//! A picture that cannot be drawn gives an error with a sentence, and the device continues to work.
 
 use std::sync::Arc;
 

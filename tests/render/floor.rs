@@ -1,4 +1,5 @@
-//! Floors: lines that end with them, cover nothing and come smoothly, their tone, and the shadows of what touches them.
+//! Floors: their lines end with them, cover nothing else and appear smoothly; their tone, and the shadows of touching
+//! things.
 
 use std::sync::Arc;
 
@@ -42,7 +43,7 @@ fn seen(camera: &Camera, image: &Image, point: Vec3) -> [u8; 3] {
     pixel(image, camera.pixel_of(point, whole(image.size)).unwrap())
 }
 
-/// Pixels whose middle shows a place at height 0 that is wanted, as (before, after).
+/// Pixels whose middle shows a wanted place at height 0, as (before, after).
 fn on_the_ground<'a>(
     camera: &'a Camera,
     pictures: [&'a Image; 2],
@@ -60,7 +61,7 @@ fn apart([a, b]: [[u8; 3]; 2]) -> u8 {
     a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max().unwrap()
 }
 
-/// The same scene with the faint ground that scenes without a floor have, and without it.
+/// Pictures of a scene with the ground that scenes without a floor have, and without that ground.
 fn with_and_without_ground(scene: &DrawList) -> [Image; 2] {
     let mut bare = scene.clone();
     bare.style.grid_opacity = 0.0;
@@ -85,7 +86,7 @@ fn the_grid_ends_where_the_floor_ends() {
 fn the_grid_never_draws_over_bodies_or_obstacles() {
     let camera = looking_down(8.0);
     let ball = Solid::Sphere { center: Vec3::new(1.6, -0.5, 0.0), radius: 0.6 };
-    // Below the ground and through it.
+    // The ball lies below the ground or passes through it.
     for height in [-1.0, 0.2] {
         let scene = DrawList { camera, solids: vec![ball.clone()], ..cube_at(Vec3::Y * height) };
         let [with, without] = with_and_without_ground(&scene);
@@ -122,7 +123,7 @@ fn lines_do_not_shimmer_as_the_eye_moves_along() {
     let mut studio = Studio::of(Quality::Quick);
     let mut last: Option<Image> = None;
     for step in 0..24_u8 {
-        // An eighth of a pixel at the point looked at.
+        // The step is an eighth of a pixel at the point looked at.
         let along = Vec3::X * (f32::from(step) * 4.0 / 240.0 / 8.0);
         let still = looking_down(4.0);
         let camera = Camera { target: still.target + along, eye: still.eye + along, ..still };
@@ -196,7 +197,7 @@ fn away_from_shadows_a_floor_looks_as_if_nothing_stood_on_it() {
         let scene = DrawList { camera, solids: vec![floor(20.0)], ..cube_at(Vec3::Y * 0.6) };
         let empty = DrawList { skins: Vec::new(), particles: Arc::default(), ..scene.clone() };
         let pictures = [studio.picture(&scene, SIZE), studio.picture(&empty, SIZE)];
-        // Neither in the shadow nor behind the cube.
+        // Only places outside the shadow and not behind the cube are compared.
         let away = |place: Vec3| place.z > -6.0 && (place.x.abs() > 2.2 || place.z > 2.4);
         let worst = on_the_ground(&camera, [&pictures[0], &pictures[1]], away).map(apart).max().unwrap();
         assert!(worst <= 1, "{quality:?}: the parts that a floor is drawn in differ by {worst}");

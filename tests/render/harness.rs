@@ -1,4 +1,4 @@
-//! The comparison of pictures can fail.
+//! The comparison of pictures must be able to fail.
 
 use gelatin::view::Image;
 use glam::Vec3;

@@ -1,5 +1,5 @@
-//! The renderer, on a software adapter: layouts shared with shaders, shaders, analytic pictures, and whether the
-//! comparison of pictures can fail. A machine without an adapter fails these tests and says what to install.
+//! The renderer, on a software adapter: layouts shared with shaders, shaders, analytic pictures, and that the comparison of
+//! pictures can fail. A machine without an adapter fails these tests and says what to install.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod compose;

@@ -1,4 +1,4 @@
-//! The outline of what is selected surrounds its silhouette and covers none of it.
+//! The outline of the selected thing surrounds its silhouette and covers none of it.
 
 use gelatin::math::color::srgb_from_linear;
 use gelatin::render::Quality;
@@ -29,7 +29,7 @@ fn is_accent(scene: &DrawList, color: [u8; 3]) -> bool {
     accent.iter().zip(color).all(|(a, b)| a.abs_diff(b) <= 12)
 }
 
-/// Walks across a silhouette: `edge` is a point of it, `outward` leads away, both in pixels.
+/// Checks pixels across a silhouette: `edge` is a point of it, `outward` points away from it, both in pixels.
 fn check(before: &Image, after: &Image, scene: &DrawList, edge: Vec2, outward: Vec2, what: &str) {
     let at = |off: f32| edge + outward * off;
     assert!(is_accent(scene, pixel(after, at(1.4))), "{what}: just outside {:?}", pixel(after, at(1.4)));

@@ -1,5 +1,4 @@
-//! Overlays are where geometry puts them, as wide as they say, fade behind things, and cost nothing when there are
-//! none.
+//! Overlays lie where geometry puts them, have the stated width, fade behind things, and cost nothing if there are none.
 
 use std::sync::Arc;
 
@@ -30,7 +29,7 @@ fn seen(point: Vec3) -> Vec2 {
     camera().pixel_of(point, Vec2::new(SIZE[0] as f32, SIZE[1] as f32)).unwrap()
 }
 
-/// How much brighter a picture has become at a pixel, as a share of what was missing to white.
+/// The rise in brightness of a pixel, as a share of the difference from white.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place within the picture")]
 fn whiter(before: &Image, after: &Image, at: Vec2) -> f32 {
     let level = |image: &Image| f32::from(image.pixel([at.x as u32, at.y as u32]).unwrap()[1]);
@@ -94,7 +93,7 @@ fn lines_hang_on_particles_and_on_skins() {
     let mut studio = Studio::new();
     let mut scene = cube();
     let plain = studio.picture(&scene, SIZE);
-    // Particles 0..5 are the cube's lowest edge at the back; of those 100 + that many the one at the front.
+    // Particles 0 to 4 are the cube's lowest edge at the back; the line joins those of numbers 100 higher, at the front.
     let ends = LineEnds::Particles { ends: Arc::new(vec![[0, 4]]), first: 100 };
     scene.overlay.lines = vec![Lines { ends, tint: Tint::Own, opacity: 1.0, width: 4.0, hidden: 0.0 }];
     let image = studio.picture(&scene, SIZE);
@@ -164,7 +163,7 @@ fn only_cells_turned_inside_out_are_crossed() {
     };
     assert!(!marked(&mut studio, &|_, at| at), "a sound cell is empty in the middle");
     assert!(marked(&mut studio, &|_, [x, y, z]| [-x, y, z]), "a mirrored one is crossed there");
-    // Past the corner next to it; the edges there stay away from the middle of the picture.
+    // The corner is pulled past its neighbour; the edges there stay away from the middle of the picture.
     let pulled = |place: u8, at: [f32; 3]| if place == 7 { [-0.6, 0.9, 0.9] } else { at };
     assert!(!marked(&mut studio, &pulled), "one corner that is on the wrong side makes no such cell");
 }

@@ -34,7 +34,7 @@ fn brightness(color: [u8; 3]) -> u32 {
 
 #[test]
 fn an_empty_scene_is_its_background() {
-    // Looking up, so that the ground is out of sight.
+    // The camera looks up, so that the ground is out of sight.
     let up = Camera { target: Vec3::Y * 2.0, eye: Vec3::new(0.0, 1.0, 1.0), ..camera() };
     let scene = DrawList { camera: up, ..DrawList::default() };
     let image = Studio::new().picture(&scene, SIZE);
@@ -55,7 +55,7 @@ fn a_sphere_is_where_geometry_puts_it() {
     scene.solids = vec![Solid::Sphere { center, radius }];
     let image = Studio::new().picture(&scene, SIZE);
     let away = center - scene.camera.eye;
-    // The silhouette: lines of sight that touch the sphere, where they touch.
+    // The silhouette is where lines of sight touch the sphere.
     let inward = (radius / away.length()).asin();
     for (step, turn) in (0..12).map(|step| (step, step as f32 * std::f32::consts::TAU / 12.0)) {
         let side = away.any_orthonormal_vector_of(turn);
@@ -63,7 +63,7 @@ fn a_sphere_is_where_geometry_puts_it() {
             |angle: f32| seen(&scene.camera, scene.camera.eye + away.normalize() * angle.cos() + side * angle.sin());
         let (inside, outside) = (at(inward * 0.94), at(inward * 1.06));
         assert_ne!(pixel(&image, inside), pixel(&empty, inside), "just inside the silhouette, step {step}");
-        // The sphere's shadow may reach the ground beside it, only upper steps see the background.
+        // The sphere's shadow may reach the ground beside it, so only upper steps see the background.
         if outside.y < seen(&scene.camera, center).y {
             assert!(near(pixel(&image, outside), pixel(&empty, outside), 2), "just outside, step {step}");
         }
@@ -99,7 +99,7 @@ fn scalars_have_exactly_the_colours_of_the_map() {
     for value in [-5.0, 2.0, 4.5, 7.25, 12.0, 99.0] {
         let mut scene = cube();
         scene.camera = camera_above();
-        // White light from everywhere and nothing else: what is seen is the colour itself.
+        // Only white light from everywhere: the visible colour is the colour itself.
         scene.style.ambient = 1.0;
         scene.light.color = [0.0; 3];
         scene.scalars = Some(Arc::new(vec![value; scene.particles.len()]));

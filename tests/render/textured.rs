@@ -1,4 +1,4 @@
-//! Pictures on bodies: the right texel at the right place, in the right colour, and nothing of it where none is shown.
+//! Pictures on bodies: the right texel at the right place, in the right colour, and no picture where none is shown.
 
 use std::sync::Arc;
 
@@ -59,14 +59,14 @@ fn sheet(picture: Arc<Picture>, sampling: Sampling, places: Places, tint: [u8; 4
     })
 }
 
-/// White light from everywhere and nothing else: what is seen is the colour itself.
+/// The scene in white light from everywhere only: the visible colour is the colour itself.
 fn lit_evenly(mut scene: DrawList) -> DrawList {
     scene.style.ambient = 1.0;
     scene.light.color = [0.0; 3];
     scene
 }
 
-/// The colour at a place of the sheet, of which (0, 0) is the upper left corner and (1, 1) the lower right one.
+/// The colour at a place of the sheet; (0, 0) is its upper left corner and (1, 1) its lower right one.
 fn seen(image: &Image, scene: &DrawList, [u, v]: [f32; 2]) -> [u8; 3] {
     let point = Vec3::new(u - 0.5, 0.5, v - 0.5);
     let at = scene.camera.pixel_of(point, Vec2::new(SIZE[0] as f32, SIZE[1] as f32)).unwrap();
@@ -106,7 +106,7 @@ fn every_texel_is_where_the_places_put_it() {
 #[test]
 fn what_lies_beyond_the_edges_is_wrapped() {
     let mut studio = Studio::new();
-    // From a quarter of the picture on: the right half of the sheet lies beyond its right edge.
+    // The texture coordinates reach twice the picture's width, so the right half of the sheet lies beyond its right edge.
     let beyond = UPRIGHT.map(|[u, v]| [2.0 * u, v]);
     for (wrap, right) in [(Wrap::Repeat, [RED, GREEN]), (Wrap::Mirror, [GREEN, RED]), (Wrap::Clamp, [GREEN, GREEN])] {
         let scene = sheet(four(), Sampling { wrap: [wrap; 2], ..SHARP }, beyond, [255; 4]);

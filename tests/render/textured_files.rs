@@ -1,4 +1,4 @@
-//! From a model file and its picture to pixels: OBJ counts v upwards and glTF downwards, and both look as they were painted.
+//! From a model file and its picture to pixels: OBJ counts v upwards and glTF downwards, and both look as painted.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,8 +19,7 @@ const SIZE: [u32; 2] = [240, 240];
 /// Squares along a side of the picture.
 const SQUARES: u32 = 4;
 
-/// The colour of a square of the picture, no two of which are alike: a checkerboard that is redder to the right and bluer
-/// downwards.
+/// The colour of a square of the picture. No two are alike: a checkerboard that is redder to the right and bluer downwards.
 #[expect(clippy::cast_possible_truncation, reason = "a few squares")]
 fn color([column, row]: [u32; 2]) -> [u8; 3] {
     let green = if (column + row) % 2 == 0 { 255 } else { 40 };
@@ -46,7 +45,7 @@ fn obj(folder: &Path) {
     std::fs::write(folder.join("four squares.png"), png()).unwrap();
 }
 
-/// The same as glTF.
+/// The sheet as glTF.
 fn gltf(folder: &Path) {
     let corners = [[0.0_f32, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
     let places = [[0.0_f32, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]];

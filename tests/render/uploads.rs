@@ -1,4 +1,4 @@
-//! Nothing is uploaded twice: particles are what changes a frame.
+//! Nothing is uploaded twice: only particles change in a frame.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! A software adapter first, so that pictures do not depend on the machine; none at all fails with what to install.
+//! Takes a software adapter first, so that pictures do not depend on the machine; without any, fails with what to install.
 
 use gelatin::render::{Gpu, Preference, Quality, Renderer, offscreen};
 use gelatin::view::{DrawList, Image};

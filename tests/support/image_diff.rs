@@ -1,4 +1,4 @@
-//! When two pictures count as the same.
+//! Decides whether two pictures count as the same.
 
 use gelatin::view::Image;
 
@@ -7,7 +7,7 @@ pub(crate) const ROUNDING: u8 = 2;
 /// This share of pixels may differ by more: edges that fall on the other side of a pixel.
 pub(crate) const EDGE_SHARE: f64 = 0.002;
 
-/// Why two pictures are not the same; `None` when they are.
+/// Says why two pictures are not the same; `None` if they are.
 pub(crate) fn difference(a: &Image, b: &Image) -> Option<String> {
     if a.size != b.size {
         return Some(format!("sizes {:?} and {:?}", a.size, b.size));

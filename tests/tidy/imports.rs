@@ -17,7 +17,7 @@ pub(super) struct Module {
     pub(super) code: String,
 }
 
-/// Every knot of files that name each other in circles: a line for each file, with those of the knot that it names.
+/// All knots of files that name each other in circles: a line for each file, with the files of the knot that it names.
 pub(super) fn circles(modules: &[Module]) -> Vec<Vec<String>> {
     let tree = Tree::new(modules);
     let arrows: Vec<BTreeSet<usize>> = (0..modules.len()).map(|from| tree.arrows(from)).collect();
@@ -61,7 +61,7 @@ struct Tree {
     scopes: Vec<Scope>,
 }
 
-/// What a file may name in short, and what it does name.
+/// The names that a file may use in short, and those it does use.
 struct Scope {
     /// Names brought in by `use` and by `mod`, with the full paths they stand for.
     names: BTreeMap<String, ModPath>,
@@ -85,7 +85,7 @@ impl Tree {
     /// The file that defines what a full path names.
     fn definer(&self, path: &[String]) -> Option<usize> {
         let mut path = path.to_vec();
-        // A name is passed on a few times at most.
+        // A name is re-exported a few times at most.
         for _ in 0..8 {
             let known = (1..=path.len()).rev().find(|&len| self.files.contains_key(&path[..len]))?;
             let at = self.files[&path[..known]];
@@ -106,7 +106,7 @@ impl Scope {
     fn read(code: &str, own: &[String]) -> Self {
         let (uses, rest) = without_uses(code);
         let mut names = BTreeMap::new();
-        // Who may see a thing is no use of it.
+        // A visibility such as `pub(in crate::x)` is not a use of that module.
         let rest = rest.split("(in crate::").enumerate().map(|(part, text)| match text.split_once(')') {
             Some((_, after)) if part > 0 => after,
             _ => text,
@@ -162,7 +162,7 @@ fn without_uses(code: &str) -> (Vec<Use>, String) {
     (uses, rest)
 }
 
-/// A line from what is visible of it on.
+/// A line without its visibility.
 fn without_visibility(line: &str) -> &str {
     let Some(after) = line.strip_prefix("pub") else { return line };
     let after = after.strip_prefix('(').and_then(|inside| Some(inside.split_once(')')?.1)).unwrap_or(after);
@@ -212,7 +212,7 @@ fn split_outside_braces(group: &str) -> Vec<&str> {
     parts
 }
 
-/// The full path of a path as a file writes it; none for another crate's.
+/// The full path of a path as written in a file; none for another crate's.
 fn absolute(path: &[String], own: &[String], names: &BTreeMap<String, ModPath>) -> Option<ModPath> {
     let (first, rest) = path.split_first()?;
     match first.as_str() {
@@ -226,7 +226,7 @@ fn absolute(path: &[String], own: &[String], names: &BTreeMap<String, ModPath>) 
     }
 }
 
-/// Words and marks of a code; `::` is one mark.
+/// Words and punctuation marks of a code; `::` is one mark.
 fn words(code: &str) -> Vec<&str> {
     let mut found = Vec::new();
     let mut rest = code;

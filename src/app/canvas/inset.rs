@@ -7,13 +7,13 @@ use crate::view::DrawList;
 /// A picture within the panels.
 #[derive(Debug)]
 pub(super) struct Inset {
-    /// What the texture lives in.
+    /// The owner of the texture.
     _layer: Layer,
     texture: egui::TextureId,
 }
 
 impl Inset {
-    /// Draws one of so many pixels.
+    /// Draws a picture of `size` pixels.
     pub(super) fn new(
         gpu: &Gpu,
         renderer: &mut Renderer,
@@ -30,7 +30,7 @@ impl Inset {
         Ok(Self { _layer: layer, texture })
     }
 
-    /// What the panels show it by.
+    /// The name of the texture for the panels.
     pub(super) fn texture(&self) -> egui::TextureId {
         self.texture
     }

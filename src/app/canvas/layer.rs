@@ -1,22 +1,22 @@
-//! A texture that is kept between frames: the view's picture, or the panels.
+//! A texture kept between frames: the view's picture, or the panels.
 
 use glam::Vec2;
 
 use crate::app::input::ViewRect;
 
-/// A texture that is kept between frames.
+/// A texture kept between frames.
 #[derive(Debug)]
 pub(super) struct Layer {
     pub(super) texture: wgpu::Texture,
-    /// What is drawn into, in the space of colours of whoever draws.
+    /// The view to draw into, in the drawer's colour space.
     pub(super) target: wgpu::TextureView,
-    /// What the compositor reads: in the window's space of colours.
+    /// The view that the compositor reads, in the window's colour space.
     pub(super) source: wgpu::TextureView,
     pub(super) size: [u32; 2],
 }
 
 impl Layer {
-    /// A layer that is drawn into as `format`.
+    /// Makes a layer to be drawn into as `format`.
     pub(super) fn new(
         device: &wgpu::Device,
         label: &'static str,
@@ -43,7 +43,7 @@ impl Layer {
         Self { texture, target, source, size }
     }
 
-    /// Copies a part, pixels, to the same place of a layer of the same size.
+    /// Copies a part, in pixels, to the same place of a layer of the same size.
     pub(super) fn copy_to(&self, encoder: &mut wgpu::CommandEncoder, other: &Self, part: egui::Rect) {
         let part = ViewRect {
             origin: Vec2::from(<[f32; 2]>::from(part.min.to_vec2())),
@@ -57,7 +57,7 @@ impl Layer {
     }
 }
 
-/// The whole pixels of a surface that the view covers; `None` when there are none.
+/// The whole pixels of a surface that the view covers; `None` if there are none.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the surface before")]
 pub(super) fn pixels(view: ViewRect, [width, height]: [u32; 2]) -> Option<([u32; 2], [u32; 2])> {
     let surface = Vec2::new(width as f32, height as f32);

@@ -1,13 +1,12 @@
-//! What the window is drawn with: the view's picture and the panels, each in a texture of its own so that it is drawn
-//! again only when it changes, laid over each other on the window's surface. Knows neither a session nor what the
-//! panels say.
+//! Draws the window: the view's picture and the panels, each in a texture of its own so that it is drawn again only when it
+//! changes, laid over each other on the window's surface. Knows neither a session nor the contents of panels.
 //!
 //! ```text
 //! draw list ─► renderer ─► picture (sRGB; fewer pixels while it moves in software) ─┐
 //! panels ────► egui ─────► panels (not sRGB: egui blends in that space) ────────────┴─ compose ─► surface
 //! ```
 //!
-//! The panels may show a picture of their own, which the same renderer draws for them.
+//! The panels may contain a picture of their own, drawn by the same renderer.
 
 mod inset;
 mod layer;
@@ -33,21 +32,20 @@ use crate::view::DrawList;
 
 /// A frame to draw.
 pub struct Frame<'a> {
-    /// The picture of the view and how finely it is drawn; `None` leaves the one that is kept.
+    /// The picture of the view and how finely it is drawn; `None` keeps the last one.
     pub picture: Option<(&'a DrawList, Detail)>,
-    /// Where the view is in the window.
+    /// The view's place in the window.
     pub view: ViewRect,
-    /// The panels, where they differ from the last ones.
+    /// The panels, if they differ from the last ones.
     pub panels: Option<Panels<'a>>,
 }
 
 /// How finely a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Detail {
-    /// As it stands: with antialiasing, a pixel for every pixel of the window.
+    /// With antialiasing, a pixel for every pixel of the window.
     Fine,
-    /// Of something that moves, where a processor does the drawing: without antialiasing, and with `scale` times the
-    /// pixels along each side.
+    /// For a moving view on a processor: without antialiasing, and with `scale` times the pixels along each side.
     Quick {
         /// 0.5 to 1.
         scale: f32,
@@ -59,9 +57,9 @@ pub enum Detail {
 pub struct Panels<'a> {
     /// Their triangles.
     pub primitives: &'a [egui::ClippedPrimitive],
-    /// Pixels a point.
+    /// Pixels per point.
     pub pixels_per_point: f32,
-    /// The only parts that differ from the panels that are kept, points: they do not overlap. `None` where all does.
+    /// The only parts that differ from the panels kept, points, without overlap; `None` if everything may differ.
     pub parts: Option<&'a [egui::Rect]>,
 }
 
@@ -82,7 +80,7 @@ impl fmt::Debug for Panels<'_> {
     }
 }
 
-/// The size of a picture whose place in the window has the size `place`, pixels.
+/// The size at which a picture is drawn for a place of size `place` in the window, pixels.
 fn drawn_size(place: [u32; 2], detail: Detail) -> [u32; 2] {
     match detail {
         Detail::Fine => place,
@@ -90,24 +88,24 @@ fn drawn_size(place: [u32; 2], detail: Detail) -> [u32; 2] {
     }
 }
 
-/// A window's surface with all that draws on it.
+/// A window's surface with everything that draws on it.
 pub struct Canvas {
     window: Arc<Window>,
     gpu: Gpu,
     surface: Surface,
     renderer: Renderer,
-    /// For pictures that move, where a processor does the drawing.
+    /// The renderer of quick pictures, if a processor does the drawing.
     quick: Option<Renderer>,
     panel_renderer: egui_wgpu::Renderer,
     compositor: Compositor,
     picture: Option<Layer>,
-    /// How finely the picture was drawn that is kept.
+    /// How finely the kept picture was drawn.
     drawn: Option<Detail>,
     panels: Option<Layer>,
-    /// Panels on which there is nothing: parts are cleared with it.
+    /// Empty panels, with which parts are cleared.
     blank: Option<Layer>,
     layers: Option<Layers>,
-    /// A picture within the panels.
+    /// The picture within the panels.
     inset: Option<Inset>,
 }
 
@@ -163,24 +161,24 @@ impl Canvas {
         self.surface.resize(&self.gpu);
     }
 
-    /// Whether the panels that are kept no longer fit the window.
+    /// Whether the kept panels no longer fit the window.
     pub fn needs_panels(&self) -> bool {
         self.panels.as_ref().is_none_or(|panels| panels.size != self.surface.size())
     }
 
-    /// Whether the picture that is kept does not fit its place in the window, or there is none.
+    /// Whether there is no kept picture, or it does not fit its place in the window.
     pub fn needs_picture(&self, view: ViewRect) -> bool {
         let Some((_, place)) = pixels(view, self.surface.size()) else { return false };
         let fits = |picture: &Layer| self.drawn.is_some_and(|detail| picture.size == drawn_size(place, detail));
         !self.picture.as_ref().is_some_and(fits)
     }
 
-    /// Whether the picture that is kept is as fine as it can be.
+    /// Whether the kept picture is as fine as it can be.
     pub fn is_fine(&self) -> bool {
         self.drawn == Some(Detail::Fine)
     }
 
-    /// Uploads textures of the panels. To be called for every pass of theirs, drawn or not.
+    /// Uploads textures of the panels. Must be called after every run of the panels, drawn or not.
     pub fn update_textures(&mut self, textures: &mut TexturesDelta) {
         let Self { panel_renderer, gpu, .. } = self;
         #[expect(clippy::iter_over_hash_type, reason = "textures are independent of each other")]
@@ -191,7 +189,7 @@ impl Canvas {
         }
     }
 
-    /// Forgets textures that the panels no longer use. To be called after [`Canvas::show`].
+    /// Frees textures that the panels no longer use. Must be called after [`Canvas::show`].
     pub fn free_textures(&mut self, textures: &mut TexturesDelta) {
         #[expect(clippy::iter_over_hash_type, reason = "textures are independent of each other")]
         for id in textures.free.drain() {
@@ -199,8 +197,8 @@ impl Canvas {
         }
     }
 
-    /// Draws what has changed of a frame and shows it. Where a processor draws, it returns when that is done: how long
-    /// it took is what the frame cost.
+    /// Draws the changed parts of a frame and shows it. On a processor, it returns when the drawing is done: the time that
+    /// it takes is the cost of the frame.
     pub fn show(&mut self, frame: &Frame<'_>) -> Result<Shown, CanvasError> {
         self.gpu.check()?;
         let (output, suboptimal) = match self.surface.texture(&self.gpu)? {
@@ -224,8 +222,8 @@ impl Canvas {
         Ok(Shown::Presented)
     }
 
-    /// Draws a picture of so many pixels for the panels. Its texture is another one than the last, which is forgotten: what
-    /// showed it looks different.
+    /// Draws a picture of `size` pixels for the panels. It has a new texture, so that panels with the picture count as
+    /// changed; the last one is freed.
     pub fn draw_inset(&mut self, draw_list: &DrawList, size: [u32; 2]) -> Result<egui::TextureId, CanvasError> {
         self.gpu.check()?;
         let inset = Inset::new(&self.gpu, &mut self.renderer, &mut self.panel_renderer, draw_list, size)?;
@@ -236,7 +234,7 @@ impl Canvas {
         Ok(texture)
     }
 
-    /// Draws the picture, if it is to be drawn. Gives the place of the one that then stands in the window, if any does.
+    /// Draws the picture, if the frame has one. Returns the place of the view in the window, if it covers any pixel.
     fn draw_picture(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -261,7 +259,7 @@ impl Canvas {
         Ok(viewport)
     }
 
-    /// Draws the panels where they changed.
+    /// Draws the panels, or the changed parts of them.
     fn draw_panels(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame<'_>) -> Vec<wgpu::CommandBuffer> {
         let size = self.surface.size();
         let is_new = self.needs_panels();
@@ -298,7 +296,7 @@ impl Canvas {
         extra
     }
 
-    /// Copies the panels to the surface, and where the picture is, lays them over it.
+    /// Copies the panels to the surface, then draws the picture with the panels over it at its place.
     fn compose(&mut self, encoder: &mut wgpu::CommandEncoder, place: Option<Viewport>, output: &wgpu::Texture) {
         let Some(panels) = &self.panels else { return };
         encoder.copy_texture_to_texture(panels.texture.as_image_copy(), output.as_image_copy(), panels.texture.size());

@@ -1,4 +1,4 @@
-//! What became of a frame, and why there can be none.
+//! The outcome of a frame, and the reasons why there can be none.
 
 use thiserror::Error;
 
@@ -10,10 +10,10 @@ pub enum CanvasError {
     /// The window gives no surface.
     #[error("the window cannot be drawn to: install a Vulkan driver such as `mesa-vulkan-drivers`")]
     NoSurface(#[source] wgpu::CreateSurfaceError),
-    /// No device, or none any more.
+    /// There is no device, or no longer one.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The surface lacks what is needed.
+    /// The surface lacks a needed capability.
     #[error(
         "the graphics driver ({adapter}) cannot show pictures in a window: it needs a surface that can be copied to; \
          install a Vulkan driver such as `mesa-vulkan-drivers`, or use `gelatin render`"
@@ -22,7 +22,7 @@ pub enum CanvasError {
         /// The adapter's name, kind and interface.
         adapter: String,
     },
-    /// The surface refuses to give a texture, again and again.
+    /// The surface repeatedly refuses to provide a texture.
     #[error("the window's surface gives no picture to draw on; restarting the display or the graphics driver may help")]
     Refused,
     /// The picture cannot be drawn.
@@ -30,12 +30,12 @@ pub enum CanvasError {
     Render(#[from] RenderError),
 }
 
-/// What became of a frame.
+/// The outcome of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
     /// It is on the screen.
     Presented,
-    /// It is not; the next one may be.
+    /// It is not on the screen; the next one may be.
     Again,
     /// Nobody could see it: the window is minimised, empty or covered.
     Unseen,

@@ -1,4 +1,4 @@
-//! A window's surface: its configuration, and everything it can answer when a texture is asked for.
+//! A window's surface: its configuration, and its possible answers to a request for a texture.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use winit::window::Window;
 use super::outcome::{CanvasError, Shown};
 use crate::render::Gpu;
 
-/// Refusals in a row after which there is no hope.
+/// The number of refusals in a row after which drawing is given up.
 const MAX_REFUSALS: u32 = 30;
 
 /// A window's surface.
@@ -20,16 +20,16 @@ pub(super) struct Surface {
     refusals: u32,
 }
 
-/// What a surface answers.
+/// The answer of a surface to a request for a texture.
 pub(super) enum Answer {
-    /// A texture to draw on; the surface wants another configuration afterwards where `suboptimal`.
+    /// A texture to draw on. If `suboptimal`, the surface wants another configuration afterwards.
     Texture { output: wgpu::SurfaceTexture, suboptimal: bool },
-    /// None this time.
+    /// No texture this time.
     Nothing(Shown),
 }
 
 impl Surface {
-    /// A surface in the space egui blends in, that pictures can be copied to.
+    /// Configures a surface in the colour space in which egui blends, as a target for copies.
     pub(super) fn new(gpu: &Gpu, window: Arc<Window>, handle: wgpu::Surface<'static>) -> Result<Self, CanvasError> {
         let config = configuration(gpu, &handle, window.inner_size())?;
         let mut surface = Self { window, handle, config, refusals: 0 };
@@ -47,7 +47,7 @@ impl Surface {
         [self.config.width, self.config.height]
     }
 
-    /// Follows the window's size. A size of zero keeps the last surface until there is something to show again.
+    /// Follows the window's size. At a size of zero, the last configuration stays until there is something to show again.
     pub(super) fn resize(&mut self, gpu: &Gpu) {
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let PhysicalSize { width, height } = self.window.inner_size();
@@ -57,7 +57,7 @@ impl Surface {
         }
     }
 
-    /// A texture to draw on, if there is one and somebody can see it.
+    /// Requests a texture to draw on; there is none if nobody can see the window.
     pub(super) fn texture(&mut self, gpu: &Gpu) -> Result<Answer, CanvasError> {
         let PhysicalSize { width, height } = self.window.inner_size();
         if width == 0 || height == 0 || self.window.is_minimized() == Some(true) {

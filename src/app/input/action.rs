@@ -1,4 +1,4 @@
-//! What an event may ask for.
+//! The actions that events ask for.
 
 use glam::Vec2;
 
@@ -6,45 +6,45 @@ use crate::app::ui::files::FileAction;
 use crate::scene::ColorBy;
 use crate::session::Command;
 
-/// What an event asks for.
+/// An action that an event asks for.
 #[derive(Clone, Debug)]
 pub enum Action {
     /// Move the camera.
     Camera(CameraMove),
-    /// Tell the session.
+    /// Send a command to the session.
     Send(Command),
-    /// Colour the jelly by this.
+    /// Colour the jelly by this scalar.
     ColorBy(ColorBy),
-    /// Move with what is chosen, or no longer.
+    /// Make the camera follow the selected thing, or no longer.
     FollowChosen,
     /// Show or hide the list of keys.
     ToggleKeys,
-    /// Fill the whole screen with the window, or no longer.
+    /// Switch full screen on or off.
     ToggleFullScreen,
     /// Show or hide a panel beside the view.
     TogglePanel(Panel),
-    /// One of these, the first there is: close what lies over the view, let go, choose nothing.
+    /// The first of these that applies: let go, put the brush away, close what lies over the view, clear the selection.
     Close,
-    /// Choose what lies under this pixel.
+    /// Select the thing under this pixel.
     Choose(Vec2),
-    /// Take hold of what lies under this pixel.
+    /// Take hold of the thing under this pixel.
     Take(Vec2),
-    /// Move what is held to under this pixel.
+    /// Move the held thing to this pixel.
     Drag(Vec2),
-    /// Let go of what is held.
+    /// Let go of the held thing.
     Release,
-    /// Draw the brush over what lies under this pixel.
+    /// Draw the brush over the thing under this pixel.
     Brush {
         /// The pixel.
         pixel: Vec2,
-        /// The other way round: what adds takes away.
+        /// Whether the brush does the opposite: takes away instead of adding, or the reverse.
         inverted: bool,
     },
     /// Lift the brush.
     LiftBrush,
-    /// Do something with what is chosen.
+    /// Act on the selected thing.
     Chosen(ChosenAction),
-    /// Something with files.
+    /// Act on files.
     Files(FileAction),
 }
 
@@ -53,24 +53,24 @@ pub enum Action {
 pub enum Panel {
     /// The list of bodies and obstacles.
     Tree,
-    /// The values of what is chosen.
+    /// The values of the selected thing.
     Inspector,
-    /// What a step costs.
+    /// The cost of a step.
     Cost,
-    /// How exact the steps are.
+    /// The error of steps.
     Error,
-    /// Where the step is stable.
+    /// The stability of steps.
     Stability,
-    /// How a body swings.
+    /// The modes of a body.
     Modes,
 }
 
-/// Something to do with the body or obstacle that is chosen.
+/// An action on the selected body or obstacle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChosenAction {
-    /// Take it out of the scene.
+    /// Remove it from the scene.
     Delete,
-    /// Put another one like it beside it.
+    /// Add a copy beside it.
     Duplicate,
     /// Hide it, or show it again.
     Hide,
@@ -90,14 +90,14 @@ pub enum CameraMove {
     },
     /// Drag the scene by pixels.
     Pan(Vec2),
-    /// Multiply the distance, keeping what is under the pointer.
+    /// Multiply the distance; the point under the pointer stays in place.
     Zoom {
-        /// Below 1 goes nearer.
+        /// The factor; below 1 goes nearer.
         factor: f32,
         /// The pixel kept in place, from the window's upper left corner.
         at: Vec2,
     },
-    /// Show what is chosen, or everything.
+    /// Show the selected thing whole, or everything if nothing is selected.
     Frame,
     /// Show everything.
     FrameAll,

@@ -1,4 +1,4 @@
-//! What reaches the view from outside: the pointer, keys, and what the window knows when they come.
+//! The events that reach the view: the pointer, keys, and what the window knows when they come.
 
 use glam::Vec2;
 
@@ -18,7 +18,7 @@ pub enum Event {
     Wheel(f32),
     /// Two fingers moved over a trackpad by this many pixels; right and down are positive.
     Scroll(Vec2),
-    /// Two fingers spread by this share of their distance; together is negative.
+    /// Two fingers moved apart by this fraction of their distance; together is negative.
     Pinch(f32),
     /// A key went down.
     Key {
@@ -27,7 +27,7 @@ pub enum Event {
         /// It was down already and repeats.
         repeat: bool,
     },
-    /// The keys held beside others changed.
+    /// The modifier keys held have changed.
     Modifiers {
         /// Shift is down.
         shift: bool,
@@ -36,11 +36,11 @@ pub enum Event {
         /// Alt or the system key is down.
         other: bool,
     },
-    /// The window lost the keyboard: nothing is held any more.
+    /// The window lost the keyboard: no key counts as held any more.
     FocusLost,
 }
 
-/// A pointer button that means something to the view.
+/// A pointer button that the view uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Button {
     /// Usually the left one.
@@ -51,7 +51,7 @@ pub enum Button {
     Secondary,
 }
 
-/// What the window must know to answer an event.
+/// The facts that the window needs to answer an event.
 #[derive(Clone, Copy, Debug, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "four independent facts, each true or not")]
 pub struct Situation {
@@ -59,31 +59,31 @@ pub struct Situation {
     pub over_view: bool,
     /// A dialog or a menu is open: keys and clicks are for it alone.
     pub dialog_open: bool,
-    /// What has the keyboard.
+    /// The part of the interface that has the keyboard.
     pub keyboard: Keyboard,
-    /// What lies under the pointer can be held. Asked when a button goes down.
+    /// The thing under the pointer can be held. Determined only when a button goes down.
     pub holdable: bool,
-    /// A brush is in the hand, and what it is for lies under the pointer. Asked when a button goes down.
+    /// The brush can paint the thing under the pointer. Determined only when a button goes down.
     pub brushable: bool,
     /// Time runs.
     pub playing: bool,
-    /// Pixels a point of the interface.
+    /// Pixels per point of the interface.
     pub scale: f32,
 }
 
-/// What has the keyboard.
+/// The part of the interface that has the keyboard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Keyboard {
-    /// Nothing of the interface: keys are for the view.
+    /// None: keys are for the view.
     #[default]
     View,
-    /// A button or a slider, which knows space, arrows and Escape; other keys are for the view.
+    /// A button or a slider, which uses space, arrows and Escape; other keys are for the view.
     Widget,
-    /// A field with text, which has an undo of its own.
+    /// A text field, which has an undo of its own.
     Text,
 }
 
-/// A key that means something.
+/// A key with a meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Key {
     /// The space bar.
@@ -106,11 +106,11 @@ pub enum Key {
     Char(char),
 }
 
-/// The keys held beside others.
+/// The modifier keys held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Modifiers {
     pub(super) shift: bool,
-    /// Control, or command where that is the habit.
+    /// Control, or command on macOS.
     pub(super) control: bool,
     /// Alt or the system key.
     pub(super) other: bool,

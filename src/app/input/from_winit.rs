@@ -1,4 +1,4 @@
-//! From the window library's events to the few that mean something here.
+//! Turns the window library's events into the few that have a meaning here.
 
 use glam::Vec2;
 use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};

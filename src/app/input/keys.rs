@@ -1,4 +1,4 @@
-//! What keys mean.
+//! The meaning of keys.
 
 use super::action::{Action, CameraMove, ChosenAction, Panel};
 use super::event::{Key, Keyboard, Modifiers, Situation};
@@ -6,9 +6,9 @@ use crate::app::ui::files::FileAction;
 use crate::scene::ColorBy;
 use crate::session::Command;
 
-/// What a key asks for when nothing lies over the view; `repeat`: it was down already.
+/// The action of a key when nothing lies over the view. `repeat`: the key was down already.
 pub(super) fn action(key: Key, repeat: bool, held: Modifiers, situation: Situation) -> Option<Action> {
-    // Holding a key down steps on and on; everything else happens once.
+    // A key held down repeats single steps; every other action happens once.
     let stepping = matches!(key, Key::Right | Key::Char('.'));
     if held.control && !held.other {
         let history = if situation.keyboard == Keyboard::Text { None } else { history_key(key, held.shift) };
@@ -47,11 +47,11 @@ pub(super) fn action(key: Key, repeat: bool, held: Modifiers, situation: Situati
     }
 }
 
-/// Whether a key is for what has the keyboard: every one for a text, and what a button or a slider knows for these.
+/// Whether a key is for the part with the keyboard: every key for a text field, a few keys for a button or a slider.
 fn is_taken(key: Key, keyboard: Keyboard) -> bool {
     match keyboard {
         Keyboard::View => false,
-        // Escape takes the keyboard from it, and the next one is for the view.
+        // Escape takes the keyboard from the widget; the next Escape is for the view.
         Keyboard::Widget => matches!(key, Key::Space | Key::Right | Key::Escape),
         Keyboard::Text => true,
     }
@@ -65,7 +65,7 @@ fn history_key(key: Key, shift: bool) -> Option<Action> {
     }
 }
 
-/// What a key means with control.
+/// The action of a key with control.
 fn file_action(key: Key, shift: bool) -> Option<FileAction> {
     match (key, shift) {
         (Key::Char('n'), false) => Some(FileAction::New),

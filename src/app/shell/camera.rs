@@ -1,4 +1,4 @@
-//! What moves the eye: a person's hand, what is to be shown whole, what is followed.
+//! Everything that moves the eye: a person's hand, framing, and the thing that is followed.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -9,8 +9,8 @@ use crate::app::ui::Framing;
 use crate::extract;
 use crate::scene::placement::Look;
 
-/// How much farther away the eye may go for something new to be seen beside what was seen; what lies beyond is shown
-/// alone.
+/// How many times farther away the eye may go to show a new thing beside what was seen. If that is not enough, the new thing
+/// is shown alone.
 const FARTHEST: f32 = 3.0;
 
 impl Shell {
@@ -40,7 +40,7 @@ impl Shell {
             (Framing::Everything, _) | (Framing::Chosen, None) => self.orbit.frame_above(floor, picture.bounds(), area),
             (Framing::Chosen, Some(chosen)) => self.orbit.frame_above(floor, chosen, area),
             (Framing::Opened, _) if snapshot.status.file.is_none() => self.orbit.pull_back(picture.bounds(), area),
-            // The camera of a file is as someone left it, if someone did.
+            // The camera of a file is as its author left it, if the file has one.
             (Framing::Opened, _) => {
                 self.orbit = extract::view::first_orbit(&snapshot.scene.view.camera, picture, area);
             }
@@ -56,7 +56,7 @@ impl Shell {
         self.changed = true;
     }
 
-    /// Moves with what is chosen, if that is wanted. What is chosen anew comes to the middle of the picture.
+    /// Moves with the selected thing, if that is wanted. A newly followed thing comes to the middle of the picture.
     pub(super) fn follow(&mut self) {
         let wanted = self.ui.selection.filter(|_| self.ui.follow_chosen);
         let was_followed = |target| self.followed.filter(|(followed, _)| *followed == target);
@@ -72,7 +72,7 @@ impl Shell {
                 Some((target, center))
             }
             Some((target, None)) if was_followed(target).is_some() => {
-                // It has fallen out of the scene, and the eye with it.
+                // The followed thing has fallen out of the scene.
                 self.show(Framing::Everything);
                 None
             }
@@ -95,7 +95,7 @@ impl Shell {
         }
     }
 
-    /// Where a person looks: the middle of the part of the view that no card covers, as far away as the target.
+    /// The point where a person looks: in the middle of the free part of the view, as far away as the target.
     pub(super) fn look(&self) -> Look {
         let camera = self.orbit.camera();
         let area = self.ui.safe_area();

@@ -1,6 +1,6 @@
-//! When the window draws and what: the panels when something asks for them and they come out different, the picture
-//! when it looks different, both at the pace that leaves the simulation its share. Most of the time of a window in
-//! which nothing moves, nothing is drawn at all.
+//! Decides when the window draws and what: the panels when they are due and differ from before, the picture when it looks
+//! different, both at the pace that leaves the simulation its share. Most of the time, a window without motion draws
+//! nothing.
 
 use std::time::{Duration, Instant};
 
@@ -21,30 +21,30 @@ use crate::extract;
 use crate::view::axes::axes;
 use crate::view::{Change, Overlay};
 
-/// How long to wait before a frame that the surface refused is tried again.
+/// The time before a frame that the surface refused is tried again.
 const RETRY: Duration = Duration::from_millis(30);
-/// How often the worker hears what drawing costs.
+/// The time between two reports of the cost of drawing to the worker.
 const TELL: Duration = Duration::from_millis(500);
 
 /// Panels that differ from those on the screen.
 struct NewPanels {
     primitives: Vec<ClippedPrimitive>,
-    /// Where they differ; `None` everywhere.
+    /// The parts that differ; `None` if all may.
     parts: Option<Vec<Rect>>,
 }
 
-/// What a frame does with the picture of the view.
+/// The role of the view's picture in a frame.
 #[derive(Clone, Copy, Debug)]
 enum Picture {
-    /// It has the next frame for itself.
+    /// The next frame draws it alone.
     PutOff,
-    /// The one on the screen stays, and is looked at again then.
+    /// The picture on the screen stays; the decision is made again at this time, if any.
     Keep(Option<Instant>),
     Draw(Detail),
 }
 
 impl Shell {
-    /// When the event loop must wake by itself, if at all. Asks for the frame that is due.
+    /// The time when the event loop must wake by itself, if any. Requests the frame that is due.
     pub(in crate::app) fn next_frame(&mut self) -> Option<Instant> {
         if !self.visible {
             return None;
@@ -63,7 +63,7 @@ impl Shell {
         None
     }
 
-    /// Draws what is due; what a person waits for, with the processors to itself where a processor draws.
+    /// Draws what is due. While a person waits for it and a processor draws, the worker takes no steps.
     pub(super) fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
         let Drawing { panels_due, picture_due, .. } = &self.drawing;
         if self.canvas.is_software() && (panels_due.awaited || picture_due.awaited) {
@@ -76,7 +76,7 @@ impl Shell {
 
     fn draw_frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
         let begin = Instant::now();
-        // A frame that the system asks for by itself shows everything again.
+        // A frame that the system requests shows everything again.
         let exposed = !std::mem::take(&mut self.drawing.requested);
         let run = exposed || self.drawing.panels_due.at.is_some_and(|at| at <= begin) || self.canvas.needs_panels();
         let awaited = self.drawing.panels_due.awaited;
@@ -126,7 +126,7 @@ impl Shell {
         Ok(())
     }
 
-    /// Draws the picture that the panels want within them.
+    /// Draws the picture that the panels want to contain.
     fn draw_inset(&mut self) -> Result<(), CanvasError> {
         if let Some(InsetWish { draw_list, size }) = self.ui.files.take_inset() {
             let texture = self.canvas.draw_inset(&draw_list, size)?;
@@ -135,7 +135,8 @@ impl Shell {
         Ok(())
     }
 
-    /// Whether panels that a person waits for are drawn without the picture, which takes longer and gets the frame after.
+    /// Whether panels that a person waits for are drawn without the picture, which takes longer and is drawn in the next
+    /// frame.
     fn picture_can_wait(&self) -> bool {
         self.canvas.is_software() && !self.drawing.picture_due.awaited && !self.drawing.put_off
     }
@@ -160,7 +161,7 @@ impl Shell {
         }
     }
 
-    /// Says when to look at the picture again.
+    /// Sets when to look at the picture again.
     fn on_picture(&mut self, picture: Picture, now: Instant) {
         self.drawing.put_off = matches!(picture, Picture::PutOff);
         let again = match picture {
@@ -172,7 +173,7 @@ impl Shell {
         self.changed = false;
     }
 
-    /// Tells the worker what drawing costs.
+    /// Tells the worker the cost of drawing.
     fn tell(&self) {
         let cost = self.drawing.cost();
         self.worker.set_drawing(self.drawing.pace.interval(), cost.share);
@@ -204,13 +205,13 @@ impl Shell {
         output
     }
 
-    /// What to draw of the panels where they differ from those on the screen.
+    /// The panels to draw, if they differ from those on the screen.
     fn changed_panels(&mut self, output: &mut FullOutput) -> Option<NewPanels> {
         if !self.drawing.are_new(output) && !self.canvas.needs_panels() {
             return None;
         }
         let shapes = std::mem::take(&mut output.shapes);
-        // Letters and pictures that came with other textures may look different though their shapes are the same.
+        // With other textures, letters and pictures may look different although their shapes are the same.
         let all = self.canvas.needs_panels()
             || !output.textures_delta.set.is_empty()
             || self.drawing.shapes.is_empty()
@@ -222,7 +223,7 @@ impl Shell {
         Some(NewPanels { primitives: self.context.tessellate(again, output.pixels_per_point), parts })
     }
 
-    /// Makes the picture ready and decides whether and how it is drawn.
+    /// Completes the picture and decides whether and how it is drawn.
     fn prepare_picture(&mut self, view: ViewRect, now: Instant) -> Picture {
         let sight = self.sight(self.input.pointer());
         let points = self.pixels_per_point();
@@ -232,7 +233,7 @@ impl Shell {
         picture.camera = self.orbit.camera();
         picture.style = self.ui.theme.style();
         picture.selected = self.ui.selection.and_then(|target| hand::place(&snapshot.scene, target));
-        // Strokes are as wide as they were in the last picture, until it is known how finely this one is drawn.
+        // Strokes stay as wide as in the last picture until it is known how finely this one is drawn.
         let last = self.drawing.picture.as_ref().map_or(points, |picture| picture.overlay.scale);
         picture.overlay.scale = last;
         let cross = axes(&picture.camera, &picture.style.overlay);
@@ -268,7 +269,7 @@ impl Shell {
         Picture::Draw(detail)
     }
 
-    /// Asks for what a new snapshot changes.
+    /// Asks for the drawing that a new snapshot needs.
     pub(super) fn ask_for_snapshot(&mut self, answered: bool) {
         if answered {
             self.drawing.ask_panels();

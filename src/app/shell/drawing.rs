@@ -1,4 +1,4 @@
-//! What of the window was drawn last, and when something is to be drawn next.
+//! What the window has drawn last, and when it is to draw next.
 
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ use crate::app::picture_rule::PictureRule;
 use crate::app::processors::Processors;
 use crate::view::DrawList;
 
-/// Figures that run with the time are written this often: faster nobody reads them.
+/// The time between two updates of numbers that run with the time: nobody reads them faster.
 const FIGURES: Duration = Duration::from_millis(100);
 /// When something is to be looked at next.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,16 +28,16 @@ impl Due {
     }
 }
 
-/// What was drawn last, and when something is to be drawn next.
+/// What the window has drawn last, and when it is to draw next.
 pub(super) struct Drawing {
     pub(super) pace: Pace,
     pub(super) meter: FrameMeter,
     pub(super) processors: Processors,
     pub(super) panels_due: Due,
     pub(super) picture_due: Due,
-    /// The picture was due when the panels were drawn alone: the next frame draws it.
+    /// The panels were drawn alone although the picture was due: the next frame draws it.
     pub(super) put_off: bool,
-    /// The window has been asked for the frame that comes next.
+    /// The next frame has been requested from the window.
     pub(super) requested: bool,
     pub(super) panels_ran: Instant,
     pub(super) shapes: Vec<ClippedShape>,
@@ -49,7 +49,7 @@ pub(super) struct Drawing {
 }
 
 impl Drawing {
-    /// Nothing was drawn yet; by `software` or by a graphics card.
+    /// The state before anything is drawn, by `software` or by a graphics card.
     pub(super) fn new(software: bool) -> Self {
         let now = Instant::now();
         Self {
@@ -69,7 +69,7 @@ impl Drawing {
         }
     }
 
-    /// A person moved the pointer or pressed something.
+    /// Notes that a person moved the pointer or pressed something.
     pub(super) fn note_touch(&mut self) {
         self.rule.note_touch(Instant::now());
         self.ask_panels();
@@ -81,18 +81,18 @@ impl Drawing {
         self.panels_due.ask(at, Reason::Input);
     }
 
-    /// Asks for the panels to be run when figures have run on.
+    /// Asks for the panels to be run when it is time to update running numbers.
     pub(super) fn ask_figures(&mut self) {
         self.panels_due.ask(self.panels_ran + FIGURES, Reason::Motion);
     }
 
-    /// Asks for a look at the picture.
+    /// Asks for a decision on the picture.
     pub(super) fn ask_picture(&mut self, reason: Reason) {
         let at = self.pace.due(reason, Instant::now());
         self.picture_due.ask(at, reason);
     }
 
-    /// What frames cost lately.
+    /// The recent cost of frames.
     pub(super) fn cost(&self) -> DrawingCost {
         self.meter.cost(Instant::now(), self.pace.scale())
     }
@@ -101,7 +101,7 @@ impl Drawing {
         self.panels_due.at.into_iter().chain(self.picture_due.at).min()
     }
 
-    /// Whether the panels came out different from those on the screen.
+    /// Whether the panels differ from those on the screen.
     #[expect(clippy::float_cmp, reason = "a scale that is not the very same is another one")]
     pub(super) fn are_new(&self, output: &FullOutput) -> bool {
         !output.textures_delta.set.is_empty()

@@ -1,4 +1,4 @@
-//! Has the modes found that a body of the sandbox waits for, beside it.
+//! Finds the modes that a body of the sandbox waits for, in the background.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::app::kept_file;
 use crate::session::wanted_modes::{find_modes, folder};
 
 impl Shell {
-    /// Looks for what a body waits for now. Nothing rests meanwhile, as time stands still.
+    /// Starts the work on the awaited modes. It takes no rests, since time stands still meanwhile.
     pub(super) fn find_awaited_modes(&mut self, wake: impl FnOnce() + Send + 'static) {
         let Some(snapshot) = &self.snapshot else { return };
         let (scene, base_dir) = (Arc::clone(&snapshot.scene), snapshot.status.base_dir.clone());
@@ -24,7 +24,7 @@ impl Shell {
         self.awaited_job.grant(&mut self.ui.finding.asked, work, wake);
     }
 
-    /// Tells the sandbox what came of it.
+    /// Passes the result on to the sandbox.
     pub(super) fn answer_awaited_modes(&mut self) {
         self.awaited_job.answer(&mut self.ui.finding.asked);
         if let Some(command) = self.ui.finding.take() {

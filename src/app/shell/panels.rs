@@ -1,4 +1,4 @@
-//! What the panels are given, and what they ask for.
+//! The input of the panels, and the commands that they send.
 
 use std::time::Instant;
 
@@ -41,20 +41,20 @@ impl Shell {
         if std::mem::take(&mut self.ui.revive) {
             self.revive();
         }
-        // While an edge is dragged its width is not settled.
+        // The width of an edge is not final while it is dragged.
         if !self.context.input(|input| input.pointer.any_down()) {
             self.preferences.keep(self.ui.arrangement(self.context.zoom_factor()));
         }
         output
     }
 
-    /// Has the sandbox do something.
+    /// Sends a command to the sandbox.
     pub(super) fn send(&mut self, command: Command) {
         self.worker.send(command);
         self.ask_for_long_work();
     }
 
-    /// Has the panels tell of what takes long as soon as it does.
+    /// Runs the panels when work on the worker begins to count as long, so that they show it.
     pub(super) fn ask_for_long_work(&mut self) {
         if let Some(at) = self.worker.told_at() {
             self.drawing.panels_due.ask(at, Reason::Input);
@@ -62,7 +62,7 @@ impl Shell {
     }
 }
 
-/// The running sandbox, as panels are given it.
+/// The running sandbox in the form that panels take.
 pub(super) fn running(snapshot: &Snapshot) -> Running<'_> {
     let DrawList { skins, scalars, colormap, color_range, .. } = &snapshot.draw_list;
     Running {

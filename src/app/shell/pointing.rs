@@ -1,4 +1,4 @@
-//! What pointer and keys do in the open window: which thing lies under a pixel, what is held, what an action changes.
+//! The effect of pointer and keys in the open window: which thing is under a pixel, what is held, what an action changes.
 
 use glam::{Vec2, Vec3};
 use winit::window::Fullscreen;
@@ -48,7 +48,7 @@ impl Shell {
             .is_some_and(|(target, _)| hand::can_be_held(&snapshot.scene, target))
     }
 
-    /// What lies under a pixel, if it is the body that the brush in the hand is for.
+    /// The point under a pixel, if it is on the body of the brush.
     fn under_brush(&self, pixel: Vec2) -> Option<(Brush, Hit)> {
         let (brush, snapshot) = (self.ui.brush?, self.snapshot.as_ref()?);
         let own = Target::Body(brush.body);
@@ -65,7 +65,7 @@ impl Shell {
         crate::view::pick::face(&self.snapshot.as_ref()?.draw_list, &hit)
     }
 
-    /// What the brush in the hand does to what lies under a pixel; nothing where it is for another body.
+    /// What the brush does at a pixel; `None` if the pixel is not on the brush's body.
     fn brush_touch(&self, pixel: Vec2, inverted: bool) -> Option<CellTouch> {
         let (brush, hit) = self.under_brush(pixel)?;
         let Thing::Skin { weights, .. } = hit.what else { return None };
@@ -73,8 +73,8 @@ impl Shell {
         Some(CellTouch { body: brush.body, weights, change })
     }
 
-    /// Draws the brush over what lies under a pixel. A picture from before the last touch was answered shows other cells, whose
-    /// particles may have other numbers by now: it is waited for.
+    /// Draws the brush over the thing under a pixel. Waits while the last touch is not answered in the picture: it shows the
+    /// old cells, whose particles may have other numbers by now.
     fn brush(&mut self, pixel: Vec2, inverted: bool) {
         let answers = self.snapshot.as_ref().map(|snapshot| snapshot.answers);
         if self.brushed_at.is_some() && self.brushed_at == answers {
@@ -93,13 +93,13 @@ impl Shell {
         self.orbit.camera().ray_through(pixel - view.origin, view.size)
     }
 
-    /// How the view is seen, with the pointer at a pixel of the window.
+    /// The view as it is seen, with the pointer at a pixel of the window.
     pub(super) fn sight(&self, pixel: Vec2) -> Sight {
         let (view, scale) = (self.view(), self.pixels_per_point());
         Sight { camera: self.orbit.camera(), size: view.size / scale, pointer: (pixel - view.origin) / scale }
     }
 
-    /// The scalar shown at the point of the jelly under the pointer, with its unit; empty where there is none.
+    /// The scalar shown at the point of the jelly under the pointer, with its unit; empty if there is none.
     pub(super) fn value_under_pointer(&self) -> String {
         let pointer = self.input.pointer();
         let Some(snapshot) = self.snapshot.as_ref().filter(|_| !self.input.dragging()) else { return String::new() };
@@ -118,7 +118,7 @@ impl Shell {
         self.view().contains(pixel) && !covered && !self.context.egui_is_using_pointer()
     }
 
-    /// Lets the handle under the pointer stand out, or the face under the brush.
+    /// Highlights the handle under the pointer, or the face under the brush.
     pub(super) fn hover(&mut self) {
         self.changed |= self.ui.brush.is_some();
         let sight = self.sight(self.input.pointer());

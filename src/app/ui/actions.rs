@@ -1,4 +1,4 @@
-//! What can be done with the body or obstacle that is chosen: the same from keys, menus and lists.
+//! The actions on the selected body or obstacle, for keys, menus and lists alike.
 
 use super::edits::{alone, hide};
 use super::{Running, UiState, adding, things};
@@ -7,7 +7,7 @@ use crate::app::input::ChosenAction;
 use crate::scene::edit::Edit;
 use crate::session::Command;
 
-/// Does something with a body or obstacle.
+/// Carries out an action on a body or obstacle.
 pub fn act(
     action: ChosenAction,
     target: Target,

@@ -1,5 +1,5 @@
-//! How new bodies and obstacles come: as large as what is there, where a person looks, on what is there and apart from
-//! other things.
+//! Adds new bodies and obstacles: as large as the things there, where a person looks, on top of things and apart from
+//! others.
 
 use std::path::Path;
 
@@ -16,13 +16,13 @@ use crate::scene::placement::{Look, Surroundings};
 use crate::scene::{Body, Obstacle, ObstacleShape, Scene, Shape};
 use crate::session::Command;
 
-/// How far above what carries it a new body starts, in its sizes.
+/// The height at which a new body starts above its support, in its own sizes.
 const DROP: f64 = 0.2;
 /// The slope of a new plane, degrees about z.
 const SLOPE_DEG: f64 = -15.0;
-/// A plane larger than this many times its surroundings is a floor: another one like it goes beside it.
+/// A plane larger than this many times its surroundings is a floor; a duplicate goes beside it.
 const FLOOR: f64 = 4.0;
-/// The length of a new mesh, over that of things.
+/// The length of a new mesh, in usual sizes of things.
 const MESH_SIZE: f64 = 1.5;
 
 /// Something new in a scene.
@@ -43,7 +43,7 @@ pub(super) enum Form {
 }
 
 impl Form {
-    /// What a new one is called.
+    /// The name of a new obstacle.
     fn name(self) -> &'static str {
         match self {
             Self::Plane => "Plane",
@@ -54,7 +54,7 @@ impl Form {
         }
     }
 
-    /// Among things of this size (m).
+    /// A shape for a scene whose things have this size, m.
     fn shape(self, size: f64) -> ObstacleShape {
         match self {
             Self::Plane => {
@@ -75,12 +75,12 @@ impl Form {
     }
 }
 
-/// What is there already, as bodies are now.
+/// The things in the scene, with bodies as they are now.
 pub(super) fn surroundings(running: Running<'_>) -> Surroundings {
     Surroundings::new(running.scene, running.status.bodies.iter().map(|body| body.bounds))
 }
 
-/// Adds something as large as what is there and chooses it.
+/// Adds something as large as the things there and selects it.
 pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let scene = running.scene;
     let size = usual_size(scene);
@@ -114,11 +114,11 @@ pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, comman
     }
 }
 
-/// Adds a model as an obstacle, about as large as what is there, and chooses it.
+/// Adds a model as an obstacle, about as large as the things there, and selects it.
 pub(super) fn add_mesh(path: &Path, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let scene = running.scene;
     let length = MESH_SIZE * usual_size(scene);
-    // Only once the file is read it is known how wide it is.
+    // The width of the model is unknown until the file is read.
     let center = within(surroundings(running).place(state.look, DVec3::splat(length), 0.0));
     let name = path.file_stem().map_or_else(|| "Mesh".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let path = path.to_string_lossy().into_owned();
@@ -126,7 +126,7 @@ pub(super) fn add_mesh(path: &Path, running: Running<'_>, state: &mut UiState, c
     add_obstacle(Obstacle { name, shape, ..Obstacle::default() }, scene, state, commands);
 }
 
-/// Adds another one like something, near it, and chooses it.
+/// Adds a copy of something near it and selects it.
 pub(super) fn duplicate(target: Target, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let scene = running.scene;
     let there = surroundings(running);
@@ -172,7 +172,7 @@ fn add_obstacle(obstacle: Obstacle, scene: &Scene, state: &mut UiState, commands
     commands.extend(alone(Edit::InsertObstacle(place, Box::new(obstacle))));
 }
 
-/// A place where something may be: as near to one beyond the edge of the world as the world goes.
+/// The allowed place that is nearest to a place.
 fn within(place: DVec3) -> [f64; 3] {
     let edge = match param::find("bodies.*.pose.position").map(|param| param.kind) {
         Some(Kind::Number { max, .. }) => max,
@@ -181,12 +181,12 @@ fn within(place: DVec3) -> [f64; 3] {
     place.clamp(DVec3::splat(-edge), DVec3::splat(edge)).to_array()
 }
 
-/// How large things are in a scene, m.
+/// The usual size of things in a scene, m.
 fn usual_size(scene: &Scene) -> f64 {
     scene.bodies.first().map_or(1.0, |body| length(&body.shape))
 }
 
-/// The longest extent of a body, m, as far as its shape says it.
+/// The longest extent of a body, m, as far as its shape tells.
 fn length(shape: &Shape) -> f64 {
     match shape {
         Shape::Cube(cube) => cube.size,

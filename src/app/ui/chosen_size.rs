@@ -1,21 +1,21 @@
-//! How large what is chosen is. Where an edit, or one that is taken back, gives it another size by far, the eye that was
-//! right for it before is within it or too far away to see it.
+//! Watches the size of the selected body. If an edit or its undo changes the size by far, the eye is suddenly inside the
+//! body or too far away to see it.
 
 use super::Running;
 use crate::app::hand::Target;
 
-/// A size is another by far if it is so many times larger or smaller.
+/// A change by at least this factor counts as far.
 const BY_FAR: f64 = 1.5;
 
-/// The body that was chosen when it was last looked at, and its longest extent at rest then, m.
+/// The selected body at the last call, and its longest extent at rest then, m.
 #[derive(Debug, Default)]
 pub struct ChosenSize {
     seen: Option<(Target, f64)>,
 }
 
 impl ChosenSize {
-    /// Looks at what is chosen. Says whether it has become larger or smaller by far. While `a_hand_is_at_it` its size is not
-    /// settled.
+    /// Notes the selected body. Returns whether it has become larger or smaller by far. While `a_hand_is_at_it`, its size is
+    /// not final.
     pub(super) fn follow(&mut self, chosen: Option<(Target, f64)>, a_hand_is_at_it: bool) -> bool {
         let before = self.seen.zip(chosen).filter(|((was, _), (is, _))| was == is).map(|((_, size), _)| size);
         if before.is_some() && a_hand_is_at_it {
@@ -26,7 +26,7 @@ impl ChosenSize {
     }
 }
 
-/// The body that is chosen and can be seen, and its size.
+/// The selected body, if it is visible, and its size, m.
 pub(super) fn of(running: Running<'_>, chosen: Option<Target>) -> Option<(Target, f64)> {
     let target = chosen?;
     let Target::Body(id) = target else { return None };

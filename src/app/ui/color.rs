@@ -1,4 +1,4 @@
-//! What the jelly's colour shows, and the legend to read it by.
+//! The choice of what the jelly's colour shows, and the legend.
 
 use egui::{ComboBox, FontId, Mesh, Pos2, Rect, RichText, Sense, Shape, Stroke, TextStyle, Ui, WidgetInfo, vec2};
 
@@ -13,12 +13,12 @@ use crate::view::{Colormap, Legend};
 
 /// Size of the bar, points.
 const BAR: egui::Vec2 = vec2(236.0, 12.0);
-/// Values written under the bar, about.
+/// About how many values are written under the bar.
 const TICKS: usize = 4;
-/// Places at which the bar's colour is looked up.
+/// The number of places at which the bar's colour is computed.
 const STOPS: u8 = 64;
 
-/// Colours the jelly by another scalar.
+/// The command to colour the jelly by another scalar.
 pub fn color_command(view: &ViewSettings, color: ColorBy) -> Command {
     Command::Edit(Edit::View(colored(view, color)))
 }
@@ -61,7 +61,7 @@ pub(super) fn color_ui(
     }
 }
 
-/// Whether the two ends of the colours follow the motion or stand still, and where.
+/// Whether the two ends of the colours follow the motion or are fixed, and at which values.
 fn range_ui(ui: &mut Ui, view: &ViewSettings, now: [f32; 2], commands: &mut Vec<Command>) {
     let fixed = |color_range| Edit::View(ViewSettings { color_range, ..view.clone() });
     let mut stands = view.color_range.is_some();
@@ -103,7 +103,7 @@ fn legend_ui(ui: &mut Ui, legend: &Legend, colormap: Colormap) {
     ticks(ui, legend, bar, &font);
 }
 
-/// The marks with their numbers; the highest value stands at the end, with the unit.
+/// The marks with their numbers. The highest value is at the end, with the unit.
 fn ticks(ui: &Ui, legend: &Legend, bar: Rect, font: &FontId) {
     let end = ui.painter().layout_no_wrap(legend.highest(), font.clone(), theme::of(ui).strong);
     let end_left = bar.right() - end.size().x;
@@ -113,7 +113,7 @@ fn ticks(ui: &Ui, legend: &Legend, bar: Rect, font: &FontId) {
         let x = bar.left() + tick.place * bar.width();
         let text = ui.painter().layout_no_wrap(tick.label.clone(), font.clone(), theme::of(ui).strong);
         let left = (x - 0.5 * text.size().x).max(bar.left());
-        // A number that would run into its neighbour or into the highest one is left out; its mark stays.
+        // A number that would overlap its neighbour or the highest value is left out; its mark stays.
         ui.painter().vline(
             x.clamp(bar.left() + 0.5, bar.right() - 0.5),
             bar.bottom()..=bar.bottom() + 3.0,
@@ -145,7 +145,7 @@ fn gradient(bar: Rect, colormap: Colormap) -> Shape {
     Shape::mesh(mesh)
 }
 
-/// The scalar's name with its unit, or what else is shown.
+/// The scalar's name with its unit, or the name of what is shown instead.
 pub(super) fn words(color: ColorBy) -> String {
     match (color, color.unit()) {
         (ColorBy::Model, _) => "the model's own colours".to_owned(),

@@ -1,4 +1,4 @@
-//! The cost panel: where the time of a step goes, what happens in it, and what the scene does not need (R3).
+//! The cost panel: the time and the counts of a step, and the work that the scene does not need (R3).
 
 use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, WidgetInfo, vec2};
 
@@ -7,20 +7,20 @@ use super::words::capitalised;
 use crate::app::frame_meter::DrawingCost;
 use crate::session::{Status, StepCost};
 
-/// Size of a stage's bar, points, and how much shorter it is in a narrow window.
+/// Size of a stage's bar, and how much shorter it is in a narrow window, points.
 const BAR: Vec2 = vec2(120.0, 8.0);
 const SHORTER: f32 = 44.0;
-/// Size of the bars that tell of the window, points.
+/// Size of the bars about the window, points.
 const WINDOW_BAR: Vec2 = vec2(60.0, 8.0);
-/// Widths of the columns (points): that of stages, that of counts; the window and reasons have the rest, which is at
-/// least this much.
+/// Widths of the columns, points: the stages, the counts, and the least width of the last one, with the window and the
+/// reasons, which has the rest.
 const COLUMNS: [f32; 3] = [334.0, 222.0, 176.0];
 /// Between columns, points.
 const GAP: f32 = 18.0;
 /// Below this width (points) bars are shorter.
 const LONG_BARS_NEED: f32 = 840.0;
 
-/// The panel; empty columns until the first stretch of time was measured.
+/// The panel. Its columns are empty until the first stretch of time has been measured.
 pub(super) fn cost_ui(ui: &mut Ui, status: &Status, drawing: DrawingCost) {
     let Some(cost) = &status.cost else { return };
     ui.spacing_mut().interact_size.y = 18.0;
@@ -86,7 +86,7 @@ fn stages_ui(ui: &mut Ui, status: &Status, cost: &StepCost, bar: Vec2) {
     });
 }
 
-/// What takes the machine's time while the window is open: steps, and drawing them.
+/// The share of the machine's time for simulating and for drawing.
 fn window_ui(ui: &mut Ui, status: &Status, drawing: DrawingCost, bar: Vec2) {
     Grid::new("window").num_columns(3).spacing([12.0, 4.0]).show(ui, |ui| {
         let stepping = if status.playing { status.stepping_share } else { 0.0 };
@@ -158,7 +158,7 @@ fn microseconds(secs: f64) -> String {
     if us < 99.95 { format!("{us:.1} µs") } else { format!("{us:.0} µs") }
 }
 
-/// A count; a mean below ten with a digit after the point.
+/// A count. A mean below ten has one digit after the point.
 fn count_text(count: f64) -> String {
     if count == 0.0 || count >= 10.0 || (count - count.round()).abs() < 1e-9 {
         format!("{count:.0}")

@@ -1,16 +1,16 @@
-//! Edits that more than one panel makes.
+//! Edits that several panels make.
 
 use crate::app::hand::Target;
 use crate::scene::edit::Edit;
 use crate::scene::{Body, Obstacle, Scene};
 use crate::session::Command;
 
-/// An edit that is one change by itself.
+/// An edit that is one change of its own in the history.
 pub(super) fn alone(edit: Edit) -> [Command; 3] {
     [Command::EndEdit, Command::Edit(edit), Command::EndEdit]
 }
 
-/// Gives it another name.
+/// Gives a body or obstacle another name; `None` if it has that name already.
 pub(super) fn rename(scene: &Scene, target: Target, name: String) -> Option<Edit> {
     match target {
         Target::Body(id) => {
@@ -24,7 +24,7 @@ pub(super) fn rename(scene: &Scene, target: Target, name: String) -> Option<Edit
     }
 }
 
-/// Hides it, or shows it again.
+/// Hides a body or obstacle, or shows it again.
 pub(super) fn hide(scene: &Scene, target: Target) -> Edit {
     match target {
         Target::Body(id) => {

@@ -1,5 +1,5 @@
-//! An entry of a list to choose from, or of a menu: the list closes when it is chosen, by a click, a key or a screen
-//! reader. By itself egui closes it by a click alone.
+//! An entry of a list or of a menu. The list closes when the entry is chosen by a click, a key or a screen reader; egui
+//! itself closes it only after a click.
 
 use egui::{Button, IntoAtoms, Response, Ui, WidgetInfo};
 

@@ -1,5 +1,5 @@
-//! The error panel: how exact the present scheme and step are and what others would give, as points that are chosen by a
-//! click (R1). The curve is computed elsewhere, when a person asks for it.
+//! The error panel: how exact the present scheme and step are and what others would give, as points to choose by a click
+//! (R1). The curve is computed elsewhere, at a person's request.
 
 mod plot;
 
@@ -20,7 +20,7 @@ const SIDE: Side = Side { title: "Error of the steps", begin: "Compute", width: 
 const WHAT: &str = "How far every scheme and step misses the motion that the scene begins with, and how long it takes. \
                     Computed in the background.";
 
-/// What is said where a body moves by its modes.
+/// The text if a body moves by its modes.
 const BY_CELLS: &str = "A body that moves by its modes is followed by its cells here.";
 
 const MARKS: &str = "The ring is the present step. Filled points: nothing measured is both as fast and as exact. A click \
@@ -69,7 +69,7 @@ fn words_ui(ui: &mut Ui, running: Running<'_>, present: StepChoice, work: &Work<
     }
 }
 
-/// What the present choice comes to.
+/// The speed and error of the present choice.
 fn present_words(curve: &ErrorCurve, present: StepChoice) -> String {
     let choice = present.words();
     match curve.place(present) {

@@ -1,8 +1,8 @@
-//! Numbers as text: short where they are read, whole where they are typed, and back. Knows nothing of widgets.
+//! Numbers as text: short for reading, in full for typing, and back from text. Knows nothing of widgets.
 
 use crate::view::legend::three_digits;
 
-/// Significant digits of a number that is read, where there is room for them.
+/// Significant digits of a number to be read, if there is room for them.
 const DIGITS: i32 = 5;
 
 /// A number in few digits: 0.1, 12.5, 1.5e6.
@@ -10,8 +10,7 @@ pub(super) fn figure(value: f64) -> String {
     whole_figure(rounded_to(value, 6))
 }
 
-/// A number in so few digits that it fits: the digits before the point all the same, of those after it only the first
-/// significant ones.
+/// A number in as few digits as fit: all digits before the point, but only the first significant ones after it.
 pub(super) fn short_figure(value: f64, fits: impl Fn(&str) -> bool) -> String {
     let written = |digits: i32| {
         let before_point = (1.0..1e6).contains(&value.abs()).then(|| value.abs().log10().floor() + 1.0);
@@ -22,18 +21,18 @@ pub(super) fn short_figure(value: f64, fits: impl Fn(&str) -> bool) -> String {
     (2..=DIGITS).rev().map(written).find(|text| fits(text)).unwrap_or_else(|| written(1))
 }
 
-/// A number in all the digits that it was given in: a product like 0.08201250000000001 was meant as 0.0820125.
+/// A number in all the digits that it was typed in: a product like 0.08201250000000001 stands for 0.0820125.
 pub(super) fn whole_figure(value: f64) -> String {
     let value = rounded_to(value, 12);
     let size = value.abs();
     if size == 0.0 {
-        // Also where it is −0.
+        // Negative zero included.
         return "0".to_owned();
     }
     if (1e-3..1e6).contains(&size) { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// A number with so many digits after the point; what they do not show is no −0.00.
+/// A number with this many digits after the point; one that rounds to zero has no minus sign.
 pub(super) fn fixed_figure(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     match text.strip_prefix('-') {
@@ -42,12 +41,12 @@ pub(super) fn fixed_figure(value: f64, digits: usize) -> String {
     }
 }
 
-/// Rounded to the three significant digits that a hand on a track can mean.
+/// Rounds to three significant digits, the precision of a drag on a track.
 pub(super) fn rounded(value: f64) -> f64 {
     rounded_to(value, 3)
 }
 
-/// A number in the three digits that a hand on a track can mean.
+/// A number in three significant digits, the precision of a drag on a track.
 pub(super) fn rounded_figure(value: f64) -> String {
     figure(rounded(value))
 }
@@ -85,24 +84,24 @@ fn rounded_to(value: f64, digits: i32) -> f64 {
     if exponent >= 0 { (value * unit).round() / unit } else { (value / unit).round() * unit }
 }
 
-/// What stands before a unit, and how many times as much it makes of it.
+/// The prefixes of units, and their factors.
 const PREFIXES: [(&str, f64); 9] =
     [("", 1.0), ("n", 1e-9), ("µ", 1e-6), ("u", 1e-6), ("m", 1e-3), ("c", 1e-2), ("k", 1e3), ("M", 1e6), ("G", 1e9)];
 
-/// A number as people write it, with its unit or without: `2,5`, `2.5 kN`, `30 cm`, `1e5`, `5k`. None where it is no number, or
-/// one of something else.
+/// Reads a number as people write it, with its unit or without: `2,5`, `2.5 kN`, `30 cm`, `1e5`, `5k`. `None` if it is no
+/// number, or has another unit.
 pub(super) fn parse(text: &str, unit: &str) -> Option<f64> {
     let text = plain(text);
-    // The longest start that is a number: of 1e5 all, of 5e nothing but the 5.
+    // The longest beginning that is a number: all of 1e5, but only the 5 of 5e.
     let mut ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
     let (number, end) = ends.find_map(|end| Some((text[..end].parse::<f64>().ok()?, end)))?;
     let times = times(&text[end..], &plain(unit))?;
-    // Divided, a millimetre is the number nearest to it.
+    // A division gives the double nearest to a millimetre.
     let value = if times < 1.0 { number / (1.0 / times).round() } else { number * times };
     Some(value).filter(|value| value.is_finite())
 }
 
-/// How many of a unit the written one is. It may be left out, or all of it but a k, M or G.
+/// The factor from the written unit to `unit`. The unit may be left out, or reduced to its k, M or G.
 fn times(written: &str, unit: &str) -> Option<f64> {
     if written.is_empty() {
         return Some(1.0);
@@ -116,7 +115,7 @@ fn times(written: &str, unit: &str) -> Option<f64> {
     Some(times * of_base)
 }
 
-/// Without what is written in several ways.
+/// Removes or unifies letters that are written in several ways.
 fn plain(text: &str) -> String {
     let letters = text.chars().filter(|letter| !letter.is_whitespace() && !matches!(letter, '·' | '*' | '^'));
     let plain = |letter| match letter {

@@ -14,7 +14,7 @@ pub(super) fn file_menu_ui(ui: &mut Ui, state: &mut UiState) {
         item_ui(ui, state, "Open…", "Ctrl+O", FileAction::Open);
         recent_ui(ui, state);
         ui.separator();
-        // Always: the camera and the colours are saved too, though they are no unsaved change.
+        // Always enabled: the camera and the colours are saved too, though they do not count as unsaved changes.
         item_ui(ui, state, "Save", "Ctrl+S", FileAction::Save);
         item_ui(ui, state, "Save as…", "Ctrl+Shift+S", FileAction::SaveAs);
         item_ui(ui, state, "Collect…", "", FileAction::Collect)

@@ -1,5 +1,5 @@
-//! The modes that a body of the scene waits for, while they are found: a card over the view that says how far they are, and a
-//! button with which the body moves by its cells instead.
+//! Shows how far the modes are that a body of the scene waits for: a card over the view, with a button that lets the body
+//! move by its cells instead.
 
 use std::sync::Arc;
 
@@ -16,14 +16,14 @@ const BAR: f32 = 320.0;
 /// The work on modes that a body waits for.
 #[derive(Debug, Default)]
 pub struct Finding {
-    /// How far it is.
+    /// The work and its progress.
     pub asked: Asked<FoundModes>,
-    /// What is looked for.
+    /// The modes being computed.
     of: Option<Arc<WantedModes>>,
 }
 
 impl Finding {
-    /// Begins what a body waits for now, and stops what none waits for any more.
+    /// Begins the work that a body waits for now, and stops work that none waits for any more.
     pub fn follow(&mut self, awaited: Option<&Arc<WantedModes>>) {
         match (awaited, &self.of) {
             (Some(now), Some(of)) if now.is_alike(of) => {}
@@ -33,12 +33,12 @@ impl Finding {
         }
     }
 
-    /// What is looked for.
+    /// The modes being computed.
     pub fn of(&self) -> Option<&Arc<WantedModes>> {
         self.of.as_ref()
     }
 
-    /// What came of it, once.
+    /// Takes the result, if the work has ended.
     pub fn take(&mut self) -> Option<Command> {
         let of = self.of.as_ref()?;
         let found = match std::mem::replace(&mut self.asked.work, Work::Idle) {

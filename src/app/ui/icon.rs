@@ -1,10 +1,10 @@
-//! Buttons with drawn signs: sharp at any scale, and no font has to have them.
+//! Buttons with drawn icons: sharp at any scale, without the need for a font.
 
 use egui::{Color32, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, pos2, vec2};
 
 use super::theme;
 
-/// A sign.
+/// An icon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Icon {
     /// Let time run.
@@ -19,27 +19,27 @@ pub(super) enum Icon {
     Frame,
     /// The list of keys.
     Help,
-    /// Put away.
+    /// Close.
     Close,
-    /// It is drawn.
+    /// The thing is drawn.
     Eye,
-    /// It is not drawn.
+    /// The thing is not drawn.
     EyeClosed,
-    /// It has fallen out of the scene.
+    /// The body has fallen out of the scene.
     Gone,
-    /// Take back.
+    /// Undo.
     Undo,
-    /// Make again.
+    /// Redo.
     Redo,
 }
 
-/// A button with a sign, named for those who cannot see it, with its key in the tooltip.
+/// A button with an icon and a name for screen readers; its tooltip has the name and the key.
 pub(super) fn icon_button_ui(ui: &mut Ui, icon: Icon, name: &str, key: &str, enabled: bool) -> Response {
     let response = sign_ui(ui, icon, name, Vec2::new(32.0, 26.0), enabled);
     if key.is_empty() { response.on_hover_text(name) } else { response.on_hover_text(format!("{name}  ({key})")) }
 }
 
-/// A button for a row of a list: a sign without a ground of its own; what it does stands in the tooltip.
+/// A button for a row of a list: an icon without a background; its tooltip says what it does.
 pub(super) fn small_button_ui(ui: &mut Ui, icon: Icon, name: &str, help: &str) -> Response {
     let ground = ui.visuals().widgets.inactive.weak_bg_fill;
     ui.visuals_mut().widgets.inactive.weak_bg_fill = Color32::TRANSPARENT;

@@ -1,4 +1,4 @@
-//! The list of keys and moves of the hand.
+//! The list of keys and gestures.
 
 use egui::{Align2, Grid, Label, RichText, ScrollArea, Ui, Window};
 
@@ -6,13 +6,13 @@ use super::{UiState, theme};
 
 /// Below this width of the window (points) the list has one column instead of two.
 const TWO_COLUMNS_NEED: f32 = 900.0;
-/// What is left free beside the list, and the widths in which no line of it is broken, in one column and in two, points.
+/// The free space beside the list, and the widths at which no line breaks, in one column and in two, points.
 const BESIDE: f32 = 60.0;
 const WIDEST: [f32; 2] = [700.0, 1060.0];
 /// Width of the column of keys, points.
 const KEY_WIDTH: f32 = 108.0;
 
-/// What keys do, in groups.
+/// The meanings of keys, in groups.
 const LEFT: [Group; 2] = [
     ("Time", &[("Space", "play, pause"), ("→  or  .", "one step"), ("R", "restart")]),
     (
@@ -29,7 +29,7 @@ const LEFT: [Group; 2] = [
     ),
 ];
 
-/// What the hand does, and the rest of the keys.
+/// The gestures, and the rest of the keys.
 const RIGHT: [Group; 2] = [
     (
         "In the view",
@@ -62,7 +62,7 @@ const RIGHT: [Group; 2] = [
     ),
 ];
 
-/// A heading, and keys with what they do.
+/// A heading, and keys with their meanings.
 type Group = (&'static str, &'static [(&'static str, &'static str)]);
 
 /// The list of keys, when it is open.

@@ -1,4 +1,4 @@
-//! Two logarithmic axes of whole decades: where values are in a plot, and what a place in it is worth.
+//! Two logarithmic axes of whole decades: the place of values in a plot, and the values at a place.
 
 use std::ops::RangeInclusive;
 
@@ -6,39 +6,39 @@ use egui::{Align2, FontId, Pos2, Rect, Stroke, Ui, pos2, vec2};
 
 use super::theme;
 
-/// Around a plot for numbers and titles, points: left, top, right, bottom.
+/// The margins of a plot for numbers and titles, points: left, top, right, bottom.
 const MARGINS: [f32; 4] = [64.0, 8.0, 8.0, 36.0];
-/// From the lower edge down to the numbers, and to the title, points.
+/// From the lower edge of the plot down to the numbers, and to the title, points.
 const BELOW: [f32; 2] = [5.0, 20.0];
-/// Numbers along an edge at most.
+/// The most numbers along an axis without gaps.
 const MOST_NUMBERS: i32 = 7;
 
 /// The axes of a plot.
 pub(super) struct LogAxes {
-    /// Where they are.
+    /// The rectangle between the axes.
     pub(super) inner: Rect,
-    /// Exponents of ten.
+    /// The horizontal axis, exponents of ten.
     pub(super) across: RangeInclusive<i32>,
-    /// Upwards.
+    /// The vertical axis, exponents of ten.
     pub(super) up: RangeInclusive<i32>,
 }
 
-/// What is written along an axis.
+/// The labels of an axis.
 pub(super) struct Written<'a> {
-    /// What the axis is.
+    /// The quantity along the axis.
     pub(super) title: &'a str,
     /// The number at a decade.
     pub(super) number: &'a dyn Fn(i32) -> String,
 }
 
 impl LogAxes {
-    /// The room for axes in a plot with so much room beside them for names, points.
+    /// The rectangle between the axes of a plot, with `names` points on the right left free for names.
     pub(super) fn room(whole: Rect, names: f32) -> Rect {
         let [left, top, right, bottom] = MARGINS;
         Rect::from_min_max(whole.min + vec2(left, top), whole.max - vec2(right + names, bottom))
     }
 
-    /// Where two values are.
+    /// The place of two values.
     pub(super) fn place(&self, across: f64, up: f64) -> Pos2 {
         let x = share(&self.across, across.log10());
         let y = share(&self.up, up.log10());
@@ -79,7 +79,7 @@ impl LogAxes {
         let under = pos2(inner.center().x, inner.bottom() + BELOW[1]);
         painter.text(under, Align2::CENTER_TOP, below.title, font.clone(), colors.weak);
         let corner = inner.right_top() + vec2(-4.0, 2.0);
-        // It stands in the plot, which may have any colour.
+        // The title is inside the plot, where the background may have any colour.
         let title = painter.layout_no_wrap(beside.title.to_owned(), font, colors.text);
         let place = Align2::RIGHT_TOP.anchor_size(corner, title.size());
         painter.rect_filled(place.expand2(vec2(4.0, 1.0)), 2.0, colors.panel.gamma_multiply(0.75));
@@ -87,13 +87,13 @@ impl LogAxes {
     }
 }
 
-/// Whether a number stands at this decade: at every one, or where there are many at every second.
+/// Whether a number is written at this decade: at every one, or at every second one if there are many.
 fn is_numbered(range: &RangeInclusive<i32>, exponent: i32) -> bool {
     let count = range.end() - range.start();
     count < MOST_NUMBERS || (exponent - range.start()) % 2 == 0
 }
 
-/// Whole decades around the values; none where there is no value.
+/// The whole decades around positive values; `None` if there are none.
 pub(super) fn decades(values: impl Iterator<Item = f64>) -> Option<RangeInclusive<i32>> {
     let exponents = values.filter(|value| *value > 0.0 && value.is_finite()).map(f64::log10);
     let [low, high] = exponents.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);

@@ -1,10 +1,10 @@
-//! The box of a body that is marked in the view: the one whose corners a person is at.
+//! The box of a body that is marked in the view: the one whose corner values a person is editing.
 
 use egui::{Rect, Ui};
 
 use crate::session::BoxOfBody;
 
-/// What is marked, anew in each frame of the panels.
+/// The marked box, determined anew in each frame of the panels.
 #[derive(Debug, Default)]
 pub struct MarkedBox {
     now: Option<(egui::Id, BoxOfBody)>,
@@ -12,12 +12,13 @@ pub struct MarkedBox {
 }
 
 impl MarkedBox {
-    /// Begins a frame, in which nothing is marked yet.
+    /// Begins a frame in which no box is marked yet.
     pub(super) fn begin(&mut self) {
         self.before = self.now.take().map(|(id, _)| id);
     }
 
-    /// Marks a box while the pointer is over its values, or drags one of them: it stays in the hand wherever the pointer goes.
+    /// Marks a box while the pointer is over its values. During a drag of a value, the box stays marked wherever the pointer
+    /// goes.
     pub(super) fn mark_under_pointer(&mut self, ui: &Ui, id: egui::Id, values: Rect, of: BoxOfBody) {
         let is_at_it = if ui.input(|input| input.pointer.any_down()) {
             self.before == Some(id)
@@ -29,7 +30,7 @@ impl MarkedBox {
         }
     }
 
-    /// The box that is marked.
+    /// The marked box.
     pub(super) fn marked(&self) -> Option<BoxOfBody> {
         self.now.map(|(_, marked)| marked)
     }

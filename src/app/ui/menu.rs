@@ -1,4 +1,4 @@
-//! The menus beside File: what can be taken back and done with what is chosen, what is seen, and the keys.
+//! The menus beside File: undo and redo, actions on the selected thing, the view, and the keys.
 
 use egui::containers::menu::{MenuButton, MenuConfig, menu_style};
 use egui::{PopupCloseBehavior, RichText, Ui};
@@ -31,7 +31,7 @@ pub(super) fn menus_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, comm
             ui.separator();
             chosen_ui(ui, shown.running, state, commands);
         });
-        // Toggles stay under the pointer: several are often changed together.
+        // Toggles do not close the menu: several are often changed together.
         let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
         MenuButton::new("View").config(config).ui(ui, |ui| {
             ui.set_min_width(WIDTH);
@@ -122,7 +122,7 @@ fn colors_ui(ui: &mut Ui, view: &ViewSettings, commands: &mut Vec<Command>) {
     }
 }
 
-/// One toggle each for what explains the picture.
+/// One toggle for each overlay.
 fn overlays_ui(ui: &mut Ui, view: &ViewSettings, commands: &mut Vec<Command>) {
     let mut overlays = view.overlays;
     let mut changed = false;

@@ -1,5 +1,5 @@
-//! What a person should know, over the view: what went wrong, as a sentence until it is read or no longer true, and that a
-//! scene takes long to open or a change of it to make.
+//! Messages over the view: an error, as a sentence until it is read or no longer true, and the progress of a scene that
+//! takes long to open or to change.
 
 use egui::{RichText, Ui};
 
@@ -8,10 +8,10 @@ use super::words::{capitalised, grouped};
 use super::{Shown, UiState, card, theme, work};
 use crate::session::Status;
 
-/// Width of the bar that tells how far it is, points.
+/// Width of the progress bar, points.
 const BAR: f32 = 300.0;
 
-/// That a scene takes long to open, or bodies to make, and a button that stops it.
+/// The progress of opening a scene or making bodies, if that takes long, with a button that stops it.
 pub(super) fn long_work_ui(ui: &Ui, shown: &Shown<'_>, state: &mut UiState) {
     let making = shown.making.map(|progress| (making_words(progress.particles()), progress));
     let opening = shown.opening.map(|progress| ("Opening the scene".to_owned(), progress));
@@ -32,12 +32,12 @@ pub(super) fn long_work_ui(ui: &Ui, shown: &Shown<'_>, state: &mut UiState) {
     state.free_rect = free;
 }
 
-/// What a change of the scene takes long with.
+/// The title of a change of the scene that takes long.
 fn making_words(particles: usize) -> String {
     if particles == 0 { "Changing the scene".to_owned() } else { format!("Making {} particles", grouped(particles)) }
 }
 
-/// What a person should know, if it was not put away: red where something went wrong. A `failure` of the program offers a new start.
+/// The message, unless a person has closed it: red for an error. After a `failure` of the program it offers a new start.
 pub(super) fn message_ui(ui: &Ui, status: &Status, failure: &str, state: &mut UiState) {
     let failed = !failure.is_empty();
     let text = if failed { failure } else { &status.message };

@@ -12,21 +12,21 @@ use crate::session::step_words::{limit_text, step_text};
 
 /// Size of the bar, points.
 const BAR: egui::Vec2 = vec2(72.0, 6.0);
-/// Rounding may put a step this much above the bound it was made from.
+/// Rounding errors may put a step this much above the bound that it was computed from.
 const TOLERANCE: f64 = 1e-9;
 
-/// Whether the step in use is larger than is safe, or no step is.
+/// Whether the step in use is larger than is safe, or no step is safe.
 pub(super) fn is_unsafe(status: &Status) -> bool {
     has_no_safe_step(status)
         || !is_implicit(status) && status.dt_safe_secs > 0.0 && status.dt_secs > status.dt_safe_secs * (1.0 + TOLERANCE)
 }
 
-/// Whether the scheme at work gives undamped vibrations energy at any step.
+/// Whether the active scheme feeds energy into undamped vibrations at any step.
 pub(super) fn has_no_safe_step(status: &Status) -> bool {
     !status.integrator.has_stable_step()
 }
 
-/// Whether the implicit integrator is at work, whose steps nothing limits.
+/// Whether the implicit integrator is active, whose steps have no limit.
 pub(super) fn is_implicit(status: &Status) -> bool {
     status.integrator == Integrator::Implicit
 }
@@ -36,7 +36,7 @@ pub(super) fn limit_words(status: &Status) -> String {
     if has_no_safe_step(status) { "none".to_owned() } else { limit_text(status.dt_safe_secs) }
 }
 
-/// The bar, with its share in figures. Written from right to left.
+/// The bar, with its percentage. Laid out from right to left.
 pub(super) fn meter_ui(ui: &mut Ui, status: &Status) {
     let share = share(status);
     let color = color(ui, status);
@@ -57,7 +57,7 @@ pub(super) fn meter_ui(ui: &mut Ui, status: &Status) {
     response.on_hover_text(words);
 }
 
-/// How far the steps miss, beside the bar. Written from right to left.
+/// The error of the steps, beside the bar. Laid out from right to left.
 pub(super) fn error_ui(ui: &mut Ui, status: &Status) {
     let text = match &status.step_error {
         StepError::Found(found) if found.is_rounding => format!("< {}", about(found)),
@@ -70,7 +70,7 @@ pub(super) fn error_ui(ui: &mut Ui, status: &Status) {
     response.on_hover_text(format!("{}.{how}", capitalised(&words)));
 }
 
-/// How far the steps miss, as words without a full stop.
+/// The error of the steps, as words without a full stop.
 pub(super) fn error_words(status: &Status) -> String {
     match &status.step_error {
         StepError::Found(found) if found.is_rounding => {
@@ -85,7 +85,7 @@ pub(super) fn error_words(status: &Status) -> String {
     }
 }
 
-/// How that was found.
+/// How the error was found.
 fn how_words(status: &Status) -> String {
     let StepError::Found(found) = &status.step_error else { return String::new() };
     let Prediction { difference_m, order, from_secs, ahead_secs, dt_secs, .. } = found;
@@ -99,14 +99,14 @@ fn how_words(status: &Status) -> String {
     )
 }
 
-/// An error in so few digits as it is known to.
+/// An error in one or two digits, which is as well as it is known.
 fn about(found: &Prediction) -> String {
     let meters = found.error_m.max(1e-12);
     let scale = 10_f64.powf(1.0 - meters.log10().floor());
     length((meters * scale).round() / scale)
 }
 
-/// Red where no step is safe, a warning where this one is not.
+/// Red if no step is safe, a warning if this one is not.
 fn color(ui: &Ui, status: &Status) -> Color32 {
     let colors = theme::of(ui);
     match () {
@@ -116,7 +116,7 @@ fn color(ui: &Ui, status: &Status) -> Color32 {
     }
 }
 
-/// The step in use over the largest safe one; 0 where nothing limits it, all of it where no step is safe.
+/// The step in use as a fraction of the largest safe one: 0 if nothing limits it, 1 if no step is safe.
 fn share(status: &Status) -> f64 {
     if has_no_safe_step(status) {
         return 1.0;

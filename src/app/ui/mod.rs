@@ -1,5 +1,5 @@
-//! The panels: what a status says, as words and widgets, and what a person does to them, as commands. Nothing here
-//! knows a session, a window or a GPU; every function takes what is shown and returns intent.
+//! The panels: they turn a status into words and widgets, and a person's actions into commands. Nothing here knows a
+//! session, a window or a GPU; every function takes what it shows and returns intent.
 
 pub mod actions;
 mod adding;
@@ -58,7 +58,7 @@ pub use widths::Widths;
 
 /// Height of a panel above the time line, points.
 const BELOW_HEIGHT: f32 = 226.0;
-/// The most of the window's height that a panel above the time line takes: the view keeps the rest.
+/// The largest fraction of the window's height for a panel above the time line: the view keeps the rest.
 const BELOW_SHARE: f32 = 0.4;
 
 /// All panels, around and over the view.
@@ -110,13 +110,13 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     finding::finding_ui(ui, status, &state.finding, &mut state.free_rect, commands);
     message::message_ui(ui, status, shown.failure, state);
     keys::keys_ui(ui, state);
-    // After a failure nothing can be saved any more: what is unsaved is kept as a draft.
+    // Nothing can be saved after a failure; unsaved changes are kept as a draft.
     let saved = if shown.failure.is_empty() { status } else { &idle };
     files::files_ui(ui, saved, shown.running, state, commands);
     state.foresee(commands);
 }
 
-/// The panel above the time line; costs, stability and modes are looked at only while they are shown.
+/// The panel above the time line. Cost, stability and modes are watched only while they are shown.
 fn below_panel_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(running) = shown.running else { return };
     let below = state.panels.below;

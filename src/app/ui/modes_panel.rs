@@ -1,5 +1,5 @@
-//! The modes panel: how a body swings about rest. A slider moves it by a mode, a button lets one mode swing, in the view. The
-//! modes are found elsewhere, when a person asks for them.
+//! The modes panel: how a body swings about rest. Sliders move the body by its modes in the view; a button lets one mode
+//! swing. The modes are computed elsewhere, at a person's request.
 
 use std::sync::Arc;
 
@@ -22,22 +22,22 @@ const WHAT: &str = "How a body swings about rest, and how often in a second. Com
 
 const LINEAR: &str = "Linear: right for small motion; where a part turns far it looks wrong, it grows.";
 
-/// How far a mode moves a body at most, and when it is played and its slider is at rest, % of the body's size.
+/// The largest displacement by a mode, and that of a played mode whose slider is at rest, % of the body's size.
 const MOST: f64 = 20.0;
 const PLAYED: f64 = 10.0;
 /// Width of a slider, points.
 const TRACK: f32 = 180.0;
 
-/// What the panel remembers.
+/// The memory of the panel.
 #[derive(Debug, Default)]
 pub struct ModesPanel {
-    /// The modes, as they are asked for and found.
+    /// The modes, with the progress of the work on them.
     pub asked: Asked<Arc<BodyModes>>,
-    /// What is shown of them.
+    /// The modes shown in the view.
     swing: Option<Swing>,
 }
 
-/// The body whose modes are asked for: the chosen one, else the first.
+/// The body whose modes are computed: the selected one, otherwise the first.
 pub(super) fn body_of(selection: Option<Target>) -> BodyId {
     match selection {
         Some(Target::Body(id)) => id,
@@ -46,13 +46,13 @@ pub(super) fn body_of(selection: Option<Target>) -> BodyId {
 }
 
 impl ModesPanel {
-    /// Another scene has taken the place of the old one.
+    /// Forgets the modes when another scene is opened.
     pub(super) fn forget(&mut self) {
         self.asked.forget();
         self.swing = None;
     }
 
-    /// What is to be shown in the view; nothing while everything is at rest.
+    /// The modes to be shown in the view; `None` while all are at rest.
     pub(super) fn shown(&self, scene: &Scene) -> Option<Swing> {
         let moves = |swing: &&Swing| swing.played.is_some() || swing.amplitudes.iter().any(|share| share.abs() > 0.0);
         let of_work = |swing: &&Swing| matches!(&self.asked.work, Work::Ready(of) if Arc::ptr_eq(of, &swing.of));

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 pub struct Panels {
     /// The list of bodies and obstacles, on the left.
     pub tree: bool,
-    /// The values of what is chosen, on the right.
+    /// The values of the selected thing, on the right.
     pub inspector: bool,
-    /// What is open above the time line.
+    /// The panel above the time line, if any.
     pub below: Option<Below>,
 }
 
@@ -18,13 +18,13 @@ pub struct Panels {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Below {
-    /// What a step costs.
+    /// The cost of a step.
     Cost,
-    /// How exact the steps are.
+    /// The error of steps.
     Error,
-    /// Where the step is stable.
+    /// The stability of steps.
     Stability,
-    /// How a body swings.
+    /// The modes of a body.
     Modes,
 }
 
@@ -35,7 +35,7 @@ impl Default for Panels {
 }
 
 impl Panels {
-    /// Opens a panel above the time line, in the place of another one, or closes it.
+    /// Opens a panel above the time line in place of any other, or closes it.
     pub fn toggle(&mut self, below: Below) {
         self.below = if self.below == Some(below) { None } else { Some(below) };
     }

@@ -1,5 +1,5 @@
-//! A panel of words with a plot beside them: the title with the button that begins the work or stops it, below it how far
-//! it is and what there is to say.
+//! A panel of words with a plot beside them. The words begin with a title and a button that begins or stops the work; its
+//! progress and remarks follow.
 
 use egui::{Color32, Label, RichText, ScrollArea, Ui, vec2};
 
@@ -13,13 +13,13 @@ const GAP: f32 = 18.0;
 pub(super) struct Side {
     /// The title of the panel.
     pub(super) title: &'static str,
-    /// What the button says that begins the work.
+    /// The label of the button that begins the work.
     pub(super) begin: &'static str,
     /// How wide the words may be, points.
     pub(super) width: f32,
 }
 
-/// The panel of some work, with the words and the plot that the panel has of it.
+/// Shows the panel of some work, with its words and its plot.
 pub(super) fn plot_panel_ui<T>(
     ui: &mut Ui,
     side: &Side,

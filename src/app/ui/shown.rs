@@ -11,15 +11,15 @@ use crate::view::Colormap;
 pub struct Shown<'a> {
     /// The running sandbox; `None` until there is one.
     pub running: Option<Running<'a>>,
-    /// A failure of the program itself, as a sentence; empty when all is well.
+    /// A failure of the program itself, as a sentence; empty if there is none.
     pub failure: &'a str,
-    /// The value under the pointer with its unit; empty when there is none.
+    /// The value under the pointer with its unit; empty if there is none.
     pub value: &'a str,
-    /// How far a scene is that takes long to open.
+    /// The progress of opening a scene, if that takes long.
     pub opening: Option<&'a Progress>,
-    /// How far bodies are that take long to make.
+    /// The progress of making bodies, if that takes long.
     pub making: Option<&'a Progress>,
-    /// What drawing costs.
+    /// The cost of drawing.
     pub drawing: DrawingCost,
 }
 
@@ -30,8 +30,8 @@ pub struct Running<'a> {
     pub status: &'a Status,
     /// The document.
     pub scene: &'a Scene,
-    /// The colours of the scalar shown and its values at their two ends; `None` where nothing is shown.
+    /// The colour map of the scalar shown and the values at its ends; `None` if no scalar is shown.
     pub color_key: Option<(Colormap, [f32; 2])>,
-    /// Whether a model that is seen has colours of its own.
+    /// Whether a visible model has colours of its own.
     pub is_painted: bool,
 }

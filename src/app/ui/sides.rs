@@ -1,4 +1,4 @@
-//! The panels beside the view, and the edges by which a hand makes them wider.
+//! The panels beside the view, and the edges by which they are resized.
 
 use egui::{CursorIcon, Id, Key, Panel, Rect, Sense, Stroke, Ui, WidgetInfo};
 
@@ -6,17 +6,17 @@ use super::widths::{LIST, TWO_SIDES_NEED, VALUES};
 use super::{Panels, Running, UiState, inspector, theme, tree};
 use crate::session::Command;
 
-/// The share of that side that the list has, and its least height, points.
+/// The list's fraction of a common side, and its least height, points.
 const TREE_SHARE: f32 = 0.36;
 const TREE_HEIGHT: f32 = 150.0;
-/// Between the rows of a list that stands above the values, and their height, points.
+/// The gap between rows of a list above the values, and the height of the rows, points.
 const DENSE: [f32; 2] = [2.0, 24.0];
-/// How far from its edge a panel is taken hold of, points: nothing else is there, and the view begins beyond it.
+/// The width of the edge by which a panel is grabbed, points. Nothing else is there, and the view begins beyond it.
 const GRIP: f32 = theme::GRIP;
-/// What an arrow key does to a width, points.
+/// The change of a width by an arrow key, points.
 const NUDGE: f32 = 10.0;
 
-/// The panels beside the view. In a narrow window the list stands above the values, so that the view keeps its half.
+/// The panels beside the view. In a narrow window, the list is above the values, so that the view keeps its half.
 pub(super) fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Panels { tree, inspector, .. } = state.panels;
     let window = ui.available_width();
@@ -55,7 +55,7 @@ pub(super) fn side_panels_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiSt
     }
 }
 
-/// The edge of a panel: dragged, moved by arrow keys, or set back by a double click. Tells the width wanted, if any.
+/// The edge of a panel: dragged, moved by arrow keys, or reset by a double click. Returns the wanted width, if any.
 fn grip_ui(ui: &Ui, name: &str, grip: Rect, width_at: impl Fn(f32) -> f32, now: f32, usual: f32) -> Option<f32> {
     let response = ui.interact(grip, Id::unique(name), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Splitter, ui.is_enabled(), name));
@@ -74,7 +74,7 @@ fn grip_ui(ui: &Ui, name: &str, grip: Rect, width_at: impl Fn(f32) -> f32, now: 
     if response.has_focus() {
         let presses = |key| ui.input(|input| input.num_presses(key)) as f32;
         let way = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
-        // To the right is wider for a panel on the left.
+        // Moving right makes a panel on the left wider.
         let outward = (width_at(grip.right()) - width_at(grip.left())).signum();
         return (way != 0.0).then_some(now + outward * way * NUDGE);
     }

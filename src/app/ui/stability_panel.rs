@@ -1,6 +1,6 @@
-//! The stability panel: a map of one body's stiffness and damping with the border of what is stable, and the body as a dot
-//! that follows the sliders; a click takes the values of a place. The measured map is computed elsewhere, when a person asks
-//! for it (R2).
+//! The stability panel: a map over the stiffness and damping of one body, with the border of stability, and the body as a
+//! dot that follows the sliders. A click takes the values at a place. The measured map is computed elsewhere, at a person's
+//! request (R2).
 
 mod plot;
 mod words;
@@ -21,10 +21,10 @@ use words::{measured_words, now_words, whose_words};
 /// The words beside the map.
 const SIDE: Side = Side { title: "Stability of the step", begin: "Measure", width: 258.0 };
 
-/// What is said of a body that moves by its modes.
+/// The text if the body moves by its modes.
 const BY_CELLS: &str = "It moves by its modes, which no step makes unstable: the map is that of its cells.";
 
-/// Which body the panel looks at.
+/// The body shown in the panel.
 pub(super) fn wanted(selection: Option<Target>) -> StabilityOf {
     match selection {
         Some(Target::Body(id)) => StabilityOf::Chosen(id),

@@ -1,4 +1,4 @@
-//! What the panels remember between frames and the session need not know.
+//! The state of the panels between frames, unknown to the session.
 
 use egui::{Pos2, Rect};
 
@@ -25,49 +25,49 @@ use crate::session::error_curve::ErrorCurve;
 use crate::session::stability_map::StabilityMap;
 use crate::view::SafeArea;
 
-/// The least share of the view's width and height that counts as free.
+/// The least fraction of the view's width and height that cards must leave to count as free.
 const LEAST_FREE: f32 = 0.25;
 
-/// What the panels remember between frames and the session need not know.
+/// The state of the panels between frames, unknown to the session.
 #[derive(Debug)]
 pub struct UiState {
     /// The scenes to choose from.
     pub presets: &'static [Preset],
     /// Whether the list of keys is open.
     pub keys_open: bool,
-    /// The message a person has read and closed.
+    /// The last message that a person has closed.
     pub dismissed: String,
     /// The part of the window that no panel covers, points.
     pub view_rect: Rect,
-    /// The part of it that no card covers, points.
+    /// The part of the view that no card covers, points.
     pub free_rect: Rect,
-    /// Where a person looks: where new things come.
+    /// Where a person looks, which is where new things are placed.
     pub look: Look,
-    /// The eye moves with what is chosen.
+    /// Whether the eye moves with the selected thing.
     pub follow_chosen: bool,
-    /// A person asked for a new start after a failure.
+    /// Whether a person asked for a new start after a failure.
     pub revive: bool,
     /// What a person asked to see whole.
     pub frame: Option<Framing>,
     /// The colours of the interface and the view.
     pub theme: Theme,
-    /// What is chosen.
+    /// The selected thing.
     pub selection: Option<Target>,
-    /// How large what is chosen is: the camera comes along.
+    /// The size of the selected thing, for the camera to follow.
     pub chosen_size: ChosenSize,
-    /// What will be chosen as soon as it is there: the sandbox answers a few frames later.
+    /// The thing to be selected as soon as it exists: the sandbox answers a few frames later.
     pub awaited: Option<Target>,
-    /// What will be chosen in a new scene that was asked for.
+    /// The thing to be selected in the new scene that was requested.
     pub comes_along: Option<Target>,
-    /// The brush in the hand.
+    /// The brush in use.
     pub brush: Option<Brush>,
-    /// The box of a body that is to be marked in the view.
+    /// The box of a body to be marked in the view.
     pub marked_box: MarkedBox,
-    /// What is being renamed, and the name so far.
+    /// The thing being renamed, and its new name so far.
     pub renaming: Option<(Target, String)>,
-    /// Where the next teleport goes, m.
+    /// The target of the next teleport, m.
     pub origin: [f64; 3],
-    /// A material that was chosen for a body that is too large for it.
+    /// A material chosen for a body that is too large for it.
     pub too_heavy: Option<TooHeavy>,
     /// Which panels are open.
     pub panels: Panels,
@@ -85,7 +85,7 @@ pub struct UiState {
     pub finding: Finding,
 }
 
-/// A material that was chosen for a body that is too large for it.
+/// A material chosen for a body that is too large for it.
 #[derive(Clone, Copy, Debug)]
 pub struct TooHeavy {
     pub(super) body: BodyId,
@@ -95,9 +95,9 @@ pub struct TooHeavy {
 /// A brush over the cells of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Brush {
-    /// The body that it is for.
+    /// The body that it paints.
     pub body: BodyId,
-    /// What it does.
+    /// The change that it makes.
     pub change: CellChange,
 }
 
@@ -106,11 +106,11 @@ pub struct Brush {
 pub enum Framing {
     /// All bodies and obstacles.
     Everything,
-    /// What is chosen; everything where nothing is.
+    /// The selected thing, or everything if nothing is selected.
     Chosen,
-    /// Everything in a scene that has just been opened, from its own camera; farther away where it must be.
+    /// Everything in a scene just opened, seen from its own camera, or from farther away if necessary.
     Opened,
-    /// What is chosen and has just been added, where it is out of sight.
+    /// The selected thing, just added, if it is out of sight.
     Arrived,
 }
 
@@ -147,20 +147,20 @@ impl UiState {
         }
     }
 
-    /// Arranges everything as it was at the last start.
+    /// Takes over the arrangement of the last window.
     pub fn arrange(&mut self, preferences: &Preferences) {
         let Preferences { theme, panels, widths, zoom: _, folders } = preferences.clone();
         (self.theme, self.panels, self.widths, self.files.folders) = (theme, panels, widths, folders);
     }
 
-    /// How everything is arranged, with text of this size.
+    /// The present arrangement, with text of this size.
     pub fn arrangement(&self, zoom: f32) -> Preferences {
         let Self { theme, panels, widths, .. } = *self;
         Preferences { theme, panels, widths, zoom, folders: self.files.folders.clone() }
     }
 
-    /// Closes the uppermost thing over the view that Escape closes: the list of keys, then the message there is. Says
-    /// whether there was one.
+    /// Closes the uppermost thing over the view that Escape closes: the list of keys, then the message. Returns whether
+    /// there was one.
     pub fn close_uppermost(&mut self, message: &str) -> bool {
         if self.keys_open {
             self.keys_open = false;
@@ -173,12 +173,12 @@ impl UiState {
         shown
     }
 
-    /// The body whose modes are asked for: the chosen one, else the first.
+    /// The body whose modes are computed: the selected one, otherwise the first.
     pub fn body_of_modes(&self) -> BodyId {
         modes_panel::body_of(self.selection)
     }
 
-    /// The part of the view that no card covers; all of it where cards leave hardly anything.
+    /// The part of the view that no card covers; the whole view if cards leave hardly anything.
     pub fn safe_area(&self) -> SafeArea {
         let (view, free) = (self.view_rect, self.free_rect);
         if !view.is_positive() {
@@ -195,7 +195,7 @@ impl UiState {
         SafeArea { min: place(free.left_bottom()), max: place(free.right_top()), ..whole }
     }
 
-    /// Another scene has taken the place of the old one: what came along with it is chosen.
+    /// Resets the state for another scene, and awaits the thing that comes with it.
     pub fn on_new_scene(&mut self) {
         (self.selection, self.awaited) = (None, self.comes_along.take());
         self.chosen_size = ChosenSize::default();
@@ -204,7 +204,7 @@ impl UiState {
         self.modes_panel.forget();
     }
 
-    /// Takes note of what comes along with a new scene.
+    /// Notes the thing that will come with a new scene.
     pub(super) fn foresee(&mut self, commands: &[Command]) {
         if commands.iter().any(Command::replaces_scene) {
             let brings_body = commands.iter().any(|command| matches!(command, Command::AddBody { .. }));
@@ -212,7 +212,7 @@ impl UiState {
         }
     }
 
-    /// Chooses what has come, and nothing that is not there.
+    /// Selects the awaited thing when it has come, and deselects things that are gone.
     pub(super) fn follow(&mut self, scene: &Scene) {
         let there = |target: &Target| things::exists(scene, *target);
         let arrived = self.awaited.take_if(|awaited| there(awaited));

@@ -1,9 +1,9 @@
-//! What is said of a body or obstacle of a scene.
+//! Names and facts of a body or obstacle of a scene.
 
 use crate::app::hand::Target;
 use crate::scene::Scene;
 
-/// Whether a scene has it.
+/// Whether a scene has the thing.
 pub(super) fn exists(scene: &Scene, target: Target) -> bool {
     match target {
         Target::Body(id) => id.0 < scene.bodies.len(),
@@ -11,7 +11,7 @@ pub(super) fn exists(scene: &Scene, target: Target) -> bool {
     }
 }
 
-/// The name in lists: its own, or one by its place.
+/// The name in lists: the thing's own, or one by its index.
 pub(super) fn name(scene: &Scene, target: Target) -> String {
     let (own, kind, place) = match target {
         Target::Body(id) => (scene.bodies.get(id.0).map(|body| &body.name), "Body", id.0),

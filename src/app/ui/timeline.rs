@@ -1,4 +1,4 @@
-//! The bar along the bottom: time, what lets it run, and in plain words how it goes.
+//! The bar along the bottom: the time, its controls, and the state of the simulation in plain words.
 
 use egui::{Align, Layout, RichText, Ui};
 
@@ -7,7 +7,7 @@ use super::words::{capitalised, grouped};
 use super::{Below, Panels, theme};
 use crate::session::{Command, Status};
 
-/// Below this width (points) the counts give way to the words.
+/// Below this width (points) the counts are left out in favour of the words.
 const COUNTS_NEED: f32 = 1100.0;
 /// The panels above the bar, from right to left.
 const BELOW: [(Below, &str, &str); 4] = [
@@ -62,7 +62,7 @@ pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, panels: &mut Panels, com
     });
 }
 
-/// Written from right to left.
+/// Particles, links and contacts. Laid out from right to left.
 fn counts_ui(ui: &mut Ui, status: &Status) {
     for (index, (name, count, widest)) in [
         ("contacts", status.contacts, "00\u{2009}000"),
@@ -81,13 +81,13 @@ fn counts_ui(ui: &mut Ui, status: &Status) {
     }
 }
 
-/// The time that is shown, s. A picture of what rests is not drawn anew: time that went on unseen would leap with the next
-/// one that is.
+/// The time shown, s. The picture of a scene at rest is not drawn again: a time that ran on unseen would jump at the next
+/// drawing.
 fn clock_secs(status: &Status) -> f64 {
     if status.playing && status.at_rest { status.rest_since_secs } else { status.time_secs }
 }
 
-/// How the simulation goes, as a sentence.
+/// The state of the simulation, as a sentence.
 fn status_words(status: &Status) -> String {
     if status.title.is_empty() {
         return String::new();

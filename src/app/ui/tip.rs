@@ -1,14 +1,14 @@
-//! Tooltips that stand beside the panel of what they explain, so that they never cover the control below it.
+//! Tooltips beside the panel of the explained control, so that they never cover the control below it.
 
 use egui::{Label, Rect, RectAlign, Response, Tooltip, Ui, UiKind};
 
 /// Width of a tooltip beside a panel, points.
 const WIDTH: f32 = 330.0;
 
-/// Explains what lies under the pointer: beside the panel at a side of the window, or beside the thing itself.
+/// Explains the control under the pointer, beside the panel at the window's side, or else beside the control itself.
 pub(super) fn tip_ui(ui: &Ui, response: &Response, text: impl Fn() -> String) {
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_description(text()));
-    // A dialog may have come over it while the pointer rests.
+    // A dialog may have opened over the control while the pointer rests.
     if !ui.ctx().memory(|memory| memory.allows_interaction(ui.layer_id())) {
         return;
     }

@@ -1,4 +1,4 @@
-//! The bar along the top: which scene, how fast, and how the steps are.
+//! The bar along the top: the scene, the speed, and the state of the steps.
 
 use std::path::PathBuf;
 
@@ -13,20 +13,20 @@ use crate::scene::presets::Preset;
 use crate::session::step_words::step_text;
 use crate::session::{Command, KEEPS_UP, Status};
 
-/// Speeds to choose from, simulated seconds a wall second.
+/// Speeds to choose from, simulated seconds per wall second.
 const SPEEDS: [f64; 8] = [0.01, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0];
 
 /// The width of the box with the scene's name, points.
 const SCENE_WIDTH: f32 = 136.0;
-/// What is left of the window's height below the list of scenes and above it, and the least height of the list, points.
+/// The free height of the window outside the list of scenes, and the least height of the list, points.
 const BELOW_LIST: f32 = 72.0;
 const LEAST_LIST: f32 = 200.0;
-/// Between two rows of the list of presets, points: all of them are to be seen in a window 800 points high.
+/// The gap between rows of the list of presets, points: all of them must fit in a window 800 points high.
 const BETWEEN_PRESETS: f32 = 0.0;
 /// Where summaries begin in the list of presets, points from the names.
 const SUMMARY_COLUMN: f32 = 124.0;
-/// Below these widths of the bar (points) it has no room for the error of the step, for the step in figures, and for
-/// words beside the boxes.
+/// Widths of the bar (points) below which there is no room for the step error, for the step as a number, and for words
+/// beside the boxes.
 const ERROR_NEEDS: f32 = 1250.0;
 const STEP_NEEDS: f32 = 1230.0;
 const WORDS_NEED: f32 = 1000.0;
@@ -53,7 +53,7 @@ pub(super) fn top_bar_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, co
                 state.frame = Some(Framing::Everything);
             }
             ui.add_space(6.0);
-            // Written from the right, so that the numbers keep their places whatever else the bar holds.
+            // Laid out from the right, so that the numbers keep their places whatever else is in the bar.
             if words {
                 if width >= ERROR_NEEDS {
                     meter::error_ui(ui, status);
@@ -70,7 +70,7 @@ pub(super) fn top_bar_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, co
     });
 }
 
-/// What can be taken back and made again, with its words in the tooltip.
+/// The undo and redo buttons, with the affected change in the tooltip.
 fn history_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
     for (icon, name, words, key, command) in [
         (Icon::Undo, "Undo", &status.undo, "Ctrl+Z", Command::Undo),
@@ -89,14 +89,14 @@ fn history_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
 
 fn preset_ui(ui: &mut Ui, words: bool, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
     let word = word_ui(ui, words, "Scene");
-    // As high as the window allows: what lies below the end of a list is not known to be there.
+    // As high as the window allows: nobody looks for entries below the end of a list.
     let height = (ui.ctx().content_rect().height() - BELOW_LIST).max(LEAST_LIST);
     let combo = ComboBox::from_id_salt("scene")
         .width(SCENE_WIDTH)
         .height(height)
         .truncate()
         .selected_text(RichText::new(&status.title).color(theme::of(ui).strong));
-    // A box no wider than this, or a long name would push the rest of the bar away.
+    // The box is no wider than this; otherwise a long name would push the rest of the bar away.
     let room = vec2(SCENE_WIDTH, ui.spacing().interact_size.y);
     let response = ui.allocate_ui(room, |ui| combo.show_ui(ui, |ui| presets_ui(ui, status, state, commands))).inner;
     named(ui, response.response, word, "Scene");
@@ -118,7 +118,7 @@ fn presets_ui(ui: &mut Ui, status: &Status, state: &UiState, commands: &mut Vec<
     }
 }
 
-/// The name, and beside it in a column what happens.
+/// The name of a preset, and in a column beside it what happens.
 fn preset_line(ui: &Ui, preset: &Preset) -> LayoutJob {
     let font = FontId::proportional(theme::TEXT_SIZE);
     let name = ui.painter().layout_no_wrap(preset.name.to_owned(), font, theme::of(ui).strong).size().x;
@@ -129,12 +129,12 @@ fn preset_line(ui: &Ui, preset: &Preset) -> LayoutJob {
     line
 }
 
-/// The name of a box beside it, where there is room.
+/// The name of a box beside it, if there is room.
 fn word_ui(ui: &mut Ui, words: bool, name: &str) -> Option<Response> {
     words.then(|| ui.label(RichText::new(name).color(theme::of(ui).weak)))
 }
 
-/// Names a box for those who cannot see it.
+/// Names a box for screen readers.
 fn named(ui: &Ui, response: Response, word: Option<Response>, name: &str) -> Response {
     if let Some(word) = word {
         return response.labelled_by(word.id);
@@ -162,7 +162,7 @@ fn speed_text(speed: f64) -> String {
     format!("{speed}×")
 }
 
-/// Written from right to left.
+/// Laid out from right to left.
 fn real_time_ui(ui: &mut Ui, status: &Status) {
     let keeps_up = status.real_time_factor >= KEEPS_UP * status.speed;
     let moves = status.playing && !status.at_rest;
@@ -179,7 +179,7 @@ fn real_time_ui(ui: &mut Ui, status: &Status) {
         .on_hover_text("Simulated seconds a second, measured");
 }
 
-/// Written from right to left.
+/// Laid out from right to left.
 fn step_ui(ui: &mut Ui, status: &Status) {
     theme::figures_ui(ui, &meter::limit_words(status), "0.000 ms", theme::of(ui).strong)
         .on_hover_text(format!("The largest step that is safe, limited by {}", limit_words(status)));

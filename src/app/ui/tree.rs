@@ -1,4 +1,4 @@
-//! The list of everything in the scene: what is there, what is chosen, what is hidden, and the buttons that add more.
+//! The list of everything in the scene, selected or hidden, and the buttons that add things.
 
 use egui::{Align, Button, Key, Layout, RichText, ScrollArea, Sense, TextEdit, Ui, WidgetInfo, vec2};
 
@@ -12,18 +12,18 @@ use crate::scene::Scene;
 use crate::scene::edit::{BodyId, ObstacleId};
 use crate::session::Command;
 
-/// What a button adds.
+/// The thing that a button adds.
 #[derive(Clone, Copy)]
 enum Adds {
-    /// Something that is known.
+    /// A cube or an obstacle of a simple form.
     Known(New),
-    /// A model as a body, which has to be found first.
+    /// A model as a body, chosen in the assistant.
     Model,
-    /// A model as an obstacle.
+    /// A model as an obstacle, chosen in a dialog.
     Mesh,
 }
 
-/// What can be added.
+/// The buttons that add things.
 const NEW: [(&str, Adds); 8] = [
     ("+ Cube", Adds::Known(New::Cube)),
     ("+ Model…", Adds::Model),
@@ -34,12 +34,12 @@ const NEW: [(&str, Adds); 8] = [
     ("+ Cylinder", Adds::Known(New::Obstacle(Form::Cylinder))),
     ("+ Mesh…", Adds::Mesh),
 ];
-/// From this width on (points) four of them stand in one row.
+/// From this width on (points), four buttons fit in a row.
 const FOUR_NEED: f32 = 290.0;
-/// Between their rows, points: close together, so that a low window shows a list above them.
+/// The gap between rows of buttons, points: small, so that a low window still shows a list above them.
 const BETWEEN_ROWS: f32 = 2.0;
 
-/// The list, with the buttons that add to it.
+/// The list, with the buttons below it.
 pub(super) fn tree_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let scene = running.scene;
     let width = ui.available_width() - theme::SCROLL_BAR;
@@ -137,7 +137,7 @@ fn gone_ui(ui: &mut Ui, body: BodyId, scene: &Scene, name: &str, commands: &mut 
     }
 }
 
-/// What can be done with one row.
+/// The context menu of a row.
 fn menu_ui(ui: &mut Ui, running: Running<'_>, target: Target, state: &mut UiState, commands: &mut Vec<Command>) {
     let entries = [
         ("Rename", ChosenAction::Rename),

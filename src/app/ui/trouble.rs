@@ -1,4 +1,4 @@
-//! A simulation that broke: a card over the view that says why and offers what cures it, as far as it has been tried.
+//! A card over the view for a simulation that broke: it names the cause and offers the cures that were found to help.
 
 use egui::{RichText, Ui};
 
@@ -8,7 +8,7 @@ use crate::session::{Command, Status, Trouble};
 /// Width of the card, points.
 const WIDTH: f32 = 430.0;
 
-/// The card, where there is trouble.
+/// The card, if there is trouble.
 pub(super) fn trouble_ui(ui: &Ui, status: &Status, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(trouble) = &status.trouble else { return };
     let view = state.view_rect;
@@ -35,7 +35,7 @@ pub(super) fn trouble_ui(ui: &Ui, status: &Status, state: &mut UiState, commands
     });
 }
 
-/// How far the search for cures has come; nothing to say once some are known.
+/// The state of the search for cures; `None` once some are known.
 fn looking(trouble: &Trouble) -> Option<&'static str> {
     match (trouble.looking, trouble.cures.is_empty()) {
         (true, _) => Some("Looking for what helps…"),

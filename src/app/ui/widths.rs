@@ -2,22 +2,22 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Widths of the list: the least, the usual, the greatest, points.
+/// Widths of the list, points: the least, the usual, the greatest.
 pub(super) const LIST: [f32; 3] = [150.0, 194.0, 400.0];
 /// Widths of the values.
 pub(super) const VALUES: [f32; 3] = [316.0, 336.0, 620.0];
-/// The share of the window's width that the panels may take: the view keeps the rest.
+/// The fraction of the window's width that the panels may take: the view keeps the rest.
 const SHARE: f32 = 0.5;
-/// Below this width of the window (points) both panels stand on one side.
+/// Below this width of the window (points) both panels are on one side.
 pub(super) const TWO_SIDES_NEED: f32 = 1100.0;
 
-/// How wide a person wants the panels beside the view, points.
+/// The widths that a person wants for the panels beside the view, points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Widths {
     /// The list of bodies and obstacles.
     pub list: f32,
-    /// The values of what is chosen.
+    /// The values of the selected thing.
     pub values: f32,
 }
 
@@ -28,12 +28,12 @@ impl Default for Widths {
 }
 
 impl Widths {
-    /// The nearest widths that can be asked for.
+    /// The nearest allowed widths.
     pub fn allowed(self) -> Self {
         Self { list: self.list.clamp(LIST[0], LIST[2]), values: self.values.clamp(VALUES[0], VALUES[2]) }
     }
 
-    /// What a window of this width has room for, so that the view keeps its share.
+    /// The widths in a window of this width, so that the view keeps its share.
     pub(super) fn within(self, window: f32) -> Self {
         let Self { list, values } = self.allowed();
         let room = SHARE * window;

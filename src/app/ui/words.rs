@@ -1,4 +1,4 @@
-//! Words and counts as they stand in the window.
+//! Words and counts as the window shows them.
 
 /// A text with a capital letter at its start.
 pub(super) fn capitalised(text: &str) -> String {

@@ -1,4 +1,4 @@
-//! Long work that a panel asks for and shows: not begun, how far it is, what came of it. Done elsewhere.
+//! Long work that a panel requests and shows: its progress and its result. The work itself is done elsewhere.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,17 +8,17 @@ use egui::{Label, ProgressBar, RichText, Ui};
 use super::theme;
 use crate::session::progress::Progress;
 
-/// How often the progress is looked at while the work goes on.
+/// The time between two looks at the progress.
 const LOOK: Duration = Duration::from_millis(250);
 /// Height of the bar, points.
 const BAR: f32 = 6.0;
 
-/// Work that can be asked for, and how far it is.
+/// Work that can be requested, and its state.
 #[derive(Debug)]
 pub struct Asked<T> {
-    /// How far it is.
+    /// The state of the work.
     pub work: Work<T>,
-    /// What a person asked for.
+    /// The request of a person, if any.
     pub wish: Option<Wish>,
 }
 
@@ -28,30 +28,30 @@ impl<T> Default for Asked<T> {
     }
 }
 
-/// How far the work is.
+/// The state of the work.
 #[derive(Debug)]
 pub enum Work<T> {
-    /// Nobody has asked for it.
+    /// It was not requested.
     Idle,
-    /// It goes on.
+    /// It is in progress.
     Running(Arc<Progress>),
     /// It is done.
     Ready(Box<T>),
-    /// It cannot be done; why, as a sentence.
+    /// It has failed; the reason as a sentence.
     Failed(String),
 }
 
-/// What a person asks for.
+/// The request of a person.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wish {
     /// Begin on the present scene.
     Begin,
-    /// Stop, and forget what came of it.
+    /// Stop, and forget the result.
     Stop,
 }
 
 impl<T> Asked<T> {
-    /// Another scene has taken the place of the old one.
+    /// Forgets the result when another scene is opened.
     pub(super) fn forget(&mut self) {
         self.wish = (!matches!(self.work, Work::Idle)).then_some(Wish::Stop);
     }
@@ -72,7 +72,7 @@ impl<T> Asked<T> {
     }
 }
 
-/// How far work is that goes on, in figures and as a bar of some width, points.
+/// The progress of work, as a percentage and as a bar of some width, points.
 pub(super) fn progress_ui(ui: &mut Ui, progress: &Progress, width: f32) {
     let fraction = progress.fraction();
     let text = format!("Computing: {:.0} %", 100.0 * fraction);

@@ -1,5 +1,5 @@
-//! What leaves a worker's thread: the newest snapshot of its sandbox, how it ended, and the processor time that it took.
-//! Says when there is something new to see; the window takes it from a slot whenever it likes.
+//! The output of a worker's thread: the newest snapshot of its sandbox, the reason of its end, and its processor time. Wakes
+//! the window when there is something new, which the window takes from a slot at any time.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,15 +13,15 @@ use crate::session::threads::spent;
 use crate::session::{Session, SessionError, Status};
 use crate::view::DrawList;
 
-/// What is to be seen of a sandbox.
+/// The visible parts of a sandbox.
 pub trait Observed {
-    /// Whether its picture stays as it is until something is asked for.
+    /// Whether its picture stays the same until a command arrives.
     fn is_at_rest(&self) -> bool;
     /// What the panels show.
     fn status(&self) -> Status;
     /// The document; the same allocation as before when nothing touched it.
     fn scene(&self) -> &Arc<Scene>;
-    /// The picture, but for the camera.
+    /// The picture, without the camera.
     fn draw_list(&mut self) -> DrawList;
 }
 
@@ -46,15 +46,15 @@ impl Observed for Session {
 /// The sandbox as the window sees it.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    /// The picture, but for the camera.
+    /// The picture, without the camera.
     pub draw_list: DrawList,
     /// What the panels show.
     pub status: Status,
     /// The document; the same allocation as before when nothing touched it.
     pub scene: Arc<Scene>,
-    /// Counts the scenes there have been: when it grows, the camera starts anew.
+    /// Counts the scenes opened: when it grows, the camera starts anew.
     pub generation: u64,
-    /// Counts what was asked for and done.
+    /// Counts the commands answered.
     pub answers: u64,
 }
 
@@ -69,11 +69,11 @@ pub enum Ended {
     Panicked(String),
 }
 
-/// Where the window finds what a worker has published.
+/// The place from which the window takes what a worker has published.
 #[derive(Debug, Default)]
 pub(super) struct Slot {
     newest: Mutex<Newest>,
-    /// Processor time the thread and those that take steps with it have taken, ns.
+    /// Processor time of the thread and its helpers in steps, ns.
     spent: AtomicU64,
 }
 
@@ -84,42 +84,42 @@ struct Newest {
 }
 
 impl Slot {
-    /// The newest snapshot, if there is one that was not taken yet.
+    /// Takes the newest snapshot, unless it was taken before.
     pub(super) fn take(&self) -> Option<Snapshot> {
         self.newest().snapshot.take()
     }
 
-    /// Why the worker stopped by itself, once.
+    /// Takes the reason why the worker stopped by itself. Returned once.
     pub(super) fn take_ended(&self) -> Option<Ended> {
         self.newest().ended.take()
     }
 
-    /// Processor time that the thread and those that take steps with it have taken.
+    /// Processor time of the thread and its helpers in steps.
     pub(super) fn spent(&self) -> Duration {
         Duration::from_nanos(self.spent.load(Ordering::Relaxed))
     }
 
     fn newest(&self) -> MutexGuard<'_, Newest> {
-        // A panic while it was held left a whole snapshot or none: both are fit to be read.
+        // A panic under this lock leaves a whole snapshot or none: both can be read.
         self.newest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// What became of what was asked for.
+/// The results of commands.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Answers {
-    /// Commands done or refused.
+    /// Commands carried out or refused.
     pub(super) count: u64,
-    /// Scenes there have been after the first.
+    /// Scenes opened after the first.
     pub(super) generation: u64,
-    /// Why the last command that a person gave was refused, if it was.
+    /// Why the last command of a person was refused, if it was.
     pub(super) failure: Option<String>,
 }
 
-/// What time does in a sandbox.
+/// The course of time in a sandbox.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Time {
-    /// Nothing changes but what is asked for.
+    /// Nothing changes without a command.
     Stands,
     /// It ran until now.
     Stops,
@@ -130,14 +130,14 @@ pub(super) enum Time {
 pub(super) struct Publisher<W> {
     slot: Arc<Slot>,
     wake: W,
-    /// Someone can see the picture.
+    /// Whether anyone can see the picture.
     visible: bool,
     /// When a snapshot was last published, and the time between two of them: a frame or more.
     published: Instant,
     interval: Duration,
-    /// The last snapshot was one of something at rest.
+    /// Whether the last snapshot showed a sandbox at rest.
     rested: bool,
-    /// Something was asked for since the last snapshot that may have changed what it shows.
+    /// Whether a command since the last snapshot may have changed what it shows.
     touched: bool,
 }
 
@@ -148,28 +148,28 @@ impl<W: Fn()> Publisher<W> {
         Self { slot, wake, visible: true, published, interval: FRAME, rested: false, touched: false }
     }
 
-    /// Says whether anyone can see the picture.
+    /// Sets whether anyone can see the picture.
     pub(super) fn set_visible(&mut self, visible: bool) {
         (self.visible, self.touched) = (visible, true);
     }
 
-    /// Says how often the window draws.
+    /// Sets the time between two snapshots to that between two frames of the window.
     pub(super) fn set_interval(&mut self, interval: Duration) {
         self.interval = interval.max(FRAME);
     }
 
-    /// Something was done that may have changed what a snapshot shows.
+    /// Notes that something visible may have changed.
     pub(super) fn note_change(&mut self) {
         self.touched = true;
     }
 
-    /// How long until the next snapshot is due while time runs; `None` where nothing changes by itself.
+    /// The time until the next snapshot is due while time runs; `None` if nothing changes without a command.
     pub(super) fn due_in(&self) -> Option<Duration> {
         let waits = !self.rested || self.touched;
         waits.then(|| self.interval_now().saturating_sub(self.published.elapsed()))
     }
 
-    /// Publishes the sandbox where it looks different and that is due.
+    /// Publishes the sandbox if it looks different and a snapshot is due.
     pub(super) fn publish_if_due(&mut self, sandbox: &mut impl Observed, time: Time, answers: &Answers) {
         let spent = spent().as_nanos();
         self.slot.spent.store(u64::try_from(spent).unwrap_or(u64::MAX), Ordering::Relaxed);
@@ -197,25 +197,25 @@ impl<W: Fn()> Publisher<W> {
         let (scene, draw_list) = (Arc::clone(sandbox.scene()), sandbox.draw_list());
         let Answers { count, generation, .. } = *answers;
         let snapshot = Snapshot { draw_list, status, scene, generation, answers: count };
-        // A window that has not taken the last one was woken already.
+        // A window that has not taken the last snapshot is already awake.
         let untaken = self.slot.newest().snapshot.replace(snapshot).is_some();
         if !untaken {
             (self.wake)();
         }
     }
 
-    /// Something has begun that may take long.
+    /// Wakes the window: work that may take long has begun.
     pub(super) fn wake(&self) {
         (self.wake)();
     }
 
-    /// Says why the worker stops.
+    /// Publishes why the worker stops.
     pub(super) fn end(&self, ended: Ended) {
         self.slot.newest().ended = Some(ended);
         (self.wake)();
     }
 
-    /// What runs is shown once a frame, however often a hand moves in it.
+    /// The interval: a frame after a command, however many arrive.
     fn interval_now(&self) -> Duration {
         if self.touched { FRAME } else { self.interval }
     }

@@ -11,16 +11,16 @@ use crate::text::echo;
 
 /// The most values of one parameter.
 const MOST_VALUES: usize = 10_000;
-/// The most combinations of all.
+/// The most combinations of all parameters.
 const MOST_RUNS: usize = 1_000_000;
 
 /// One parameter and its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Axis {
-    /// Where it is in a scene.
+    /// The path of the parameter in a scene.
     pub(super) path: String,
     pub(super) values: Vec<f64>,
-    /// The values are factors apart.
+    /// Whether the values are equal factors apart.
     pub(super) logarithmic: bool,
 }
 
@@ -33,7 +33,7 @@ impl Axis {
         }
     }
 
-    /// Sets the parameter.
+    /// Sets the parameter in a scene.
     pub(super) fn set(&self, scene: &mut Scene, value: f64) -> Result<(), Failure> {
         path::set(scene, &self.path, &value.to_string()).map_err(Failure::usage)
     }
@@ -74,13 +74,13 @@ fn wanted() -> String {
         .to_owned()
 }
 
-/// A value on the way from one end to the other, to twelve digits: 0.3 rather than 0.30000000000000004.
+/// A value between the two ends, rounded to twelve digits: 0.3 rather than 0.30000000000000004.
 fn value([first, last]: [f64; 2], share: f64, logarithmic: bool) -> f64 {
     let value = if logarithmic { first * libm::pow(last / first, share) } else { first + (last - first) * share };
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
-/// Refuses parameters that the scene does not have, and values that it may not have there.
+/// Refuses parameters that the scene does not have, and values outside their ranges.
 pub(super) fn check(axes: &[Axis], scene: &Scene) -> Result<(), Failure> {
     for (index, axis) in axes.iter().enumerate() {
         if axes[..index].iter().any(|before| before.path == axis.path) {
@@ -96,7 +96,7 @@ pub(super) fn check(axes: &[Axis], scene: &Scene) -> Result<(), Failure> {
     }
 }
 
-/// How many combinations there are; none where there are too many.
+/// The number of combinations; none if there are too many.
 fn runs(axes: &[Axis]) -> Option<usize> {
     let count = axes.iter().try_fold(1_usize, |count, axis| count.checked_mul(axis.values.len()));
     count.filter(|count| *count <= MOST_RUNS)

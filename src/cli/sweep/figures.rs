@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::cli::Failure;
 use crate::text::echo;
 
-/// What is written down where nothing is asked for.
+/// The default figures.
 const USUAL: [&str; 6] =
     ["finite", "max_speed", "peak.max_strain", "peak.max_penetration_m", "energy_joule.total", "wall_secs"];
 
@@ -24,7 +24,7 @@ const UNITS: [(&str, &str); 9] = [
     ("bounds", "m"),
 ];
 
-/// The names asked for, separated by commas, or the usual ones; `specimen` is what any run gives.
+/// The names asked for, separated by commas, or the default ones; `specimen` is the output of any run.
 pub(super) fn names(asked: Option<&str>, specimen: &Value) -> Result<Vec<String>, Failure> {
     let names: Vec<String> = match asked {
         Some(text) => text.split(',').map(|name| name.trim().to_owned()).collect(),
@@ -44,7 +44,7 @@ pub(super) fn names(asked: Option<&str>, specimen: &Value) -> Result<Vec<String>
     Ok(names)
 }
 
-/// The figure of that name.
+/// The figure of a name.
 pub(super) fn figure<'a>(run: &'a Value, name: &str) -> Value {
     let below = |node: &'a Value, word: &str| match node {
         Value::Array(entries) => entries.get(word.parse::<usize>().ok()?),
@@ -72,7 +72,7 @@ pub(super) fn cell(figure: &Value) -> String {
     }
 }
 
-/// The names of everything that is one value. The stages and the warnings of a run are lists of no fixed length.
+/// Collects the names of all single values. The stages and the warnings of a run are left out, as lists of varying length.
 fn leaves(path: &str, node: &Value, found: &mut Vec<String>) {
     let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
     match node {

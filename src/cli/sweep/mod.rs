@@ -30,7 +30,7 @@ use crate::session::run::run as run_session;
 use axis::Axis;
 use row::Row;
 
-/// What this measurement is called in files.
+/// The name of this measurement in files.
 pub(super) const KIND: &str = "sweep";
 /// The files of the study.
 pub(super) const FILES: [&str; 2] = ["sweep.csv", "sweep.svg"];

@@ -1,4 +1,4 @@
-//! The picture of a study: over one parameter a curve for each figure, over two a heat map.
+//! The picture of a study: a curve for each figure over one parameter, a heat map over two.
 
 use std::ops::Range;
 
@@ -15,22 +15,22 @@ use super::row::Row;
 use crate::cli::plot::{Area, AxisWords, COLORS, COLUMNS, Drawn, PLOT, mesh, panels};
 use crate::view::colormap::Colormap;
 
-/// Values that span more than this factor stand on a logarithmic scale.
+/// Values that span more than this factor are drawn on a logarithmic scale.
 const LOGARITHMIC: f64 = 100.0;
 /// The width of a heat map's legend, pixels.
 const LEGEND: u32 = 110;
 /// The most numbers along an edge of a heat map.
 const MOST_LABELS: usize = 8;
-/// Runs that diverged.
+/// The colour of runs that diverged.
 const DIVERGED: RGBColor = RGBColor(190, 190, 190);
 
-/// A figure's numbers, one a run; none where the run diverged or the figure is no number.
+/// A figure's numbers, one per run; none where the run diverged or the figure is no number.
 struct Curve {
     name: String,
     values: Vec<Option<f64>>,
 }
 
-/// The picture; none where nothing is a number, or for more than two parameters.
+/// The picture; none if no figure is a number, or for more than two parameters.
 pub(super) fn svg(axes: &[Axis], names: &[String], rows: &[Row]) -> Result<Option<String>> {
     let number = |row: &Row, index: usize| row.figures.get(index)?.as_f64().filter(|_| row.finite);
     let curves = names
@@ -50,12 +50,12 @@ pub(super) fn svg(axes: &[Axis], names: &[String], rows: &[Row]) -> Result<Optio
 #[derive(Clone, Copy)]
 struct Scale {
     logarithmic: bool,
-    /// Of a number beside the axis: enough to tell neighbours apart.
+    /// Significant digits of a number beside the axis: enough to tell neighbours apart.
     digits: usize,
 }
 
 impl Scale {
-    /// The one for these values.
+    /// Chooses the scale for these values.
     fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
         let [low, high] = ends(values.clone());
         Self::new(low > 0.0 && high / low > LOGARITHMIC, values)
@@ -78,7 +78,7 @@ impl Scale {
         number(value, self.digits)
     }
 
-    /// The places of all values with some room around.
+    /// The range of the places of all values, with some room around.
     fn range(self, values: impl Iterator<Item = f64>) -> Range<f64> {
         let [low, high] = ends(values.map(|value| self.place(value)));
         let room = if high > low { 0.05 * (high - low) } else { (0.05 * high.abs()).max(1e-9) };
@@ -86,7 +86,7 @@ impl Scale {
     }
 }
 
-/// A number of so many significant digits, without zeros that say nothing.
+/// A number to `digits` significant digits, without trailing zeros.
 fn number(value: f64, digits: usize) -> String {
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     let plain = rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs());
@@ -114,7 +114,7 @@ fn line(area: &Area<'_>, axis: &Axis, curve: &Curve) -> Drawn {
     let up = AxisWords { name: title(&curve.name), number: &|place| y.label(place) };
     mesh(&mut chart, &across, &up)?;
     let places: Vec<_> = axis.values.iter().map(|value| x.place(*value)).zip(&curve.values).collect();
-    // What diverged parts the curve.
+    // A run that diverged interrupts the curve.
     for part in places.split(|(_, value)| value.is_none()) {
         let points = part.iter().filter_map(|(at, value)| value.map(|value| (*at, y.place(value))));
         chart.draw_series(LineSeries::new(points.clone(), COLORS[0].stroke_width(2)))?;
@@ -175,7 +175,7 @@ fn map(area: &Area<'_>, [across, down]: [&Axis; 2], curve: &Curve) -> Drawn {
     bar(&legend, low..high, scale, color, curve.values.iter().any(Option::is_none))
 }
 
-/// The colours and what they stand for.
+/// Draws the colour scale with its numbers.
 fn bar(area: &Area<'_>, range: Range<f64>, scale: Scale, color: impl Fn(f64) -> RGBColor, with_lost: bool) -> Drawn {
     const STRIPES: i32 = 64;
     let (top, height) = (46, 260);

@@ -1,4 +1,4 @@
-//! What one run of a study gives.
+//! The results of one run of a study.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -6,7 +6,7 @@ use serde_json::Value;
 /// One run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(in crate::cli) struct Row {
-    /// Of the parameters.
+    /// The values of the parameters.
     pub(super) values: Vec<f64>,
     pub(super) figures: Vec<Value>,
     /// Whether every number stayed finite.

@@ -1,5 +1,5 @@
-//! The pictures that the materials of a model ask for: each read and unpacked once, all of them side by side. One that
-//! cannot be had is told and left out, and the model is read without it.
+//! The pictures that the materials of a model ask for: each is read once, and all are unpacked in parallel. A picture that
+//! cannot be read is left out with a warning, and the model is read without it.
 
 use std::sync::Arc;
 
@@ -11,34 +11,34 @@ use crate::geometry::picture_file::{self, Opacity, PictureError};
 use crate::math::picture::{Picture, Sampling, Texture};
 use crate::text::echo_up_to;
 
-/// The most texels that the pictures of a model have together, as their files have them.
+/// The most texels that the pictures of a model have together, at the sizes in their files.
 const MAX_TEXELS_TOGETHER: u64 = 1 << 27;
 
 /// The most textures of a model.
 const MOST_TEXTURES: usize = 1024;
 
-/// The file of a picture: what it is called in messages, and its bytes or why there are none.
+/// The file of a picture: its name in messages, and its bytes or why there are none.
 pub(super) struct PictureBytes {
     pub(super) name: String,
     pub(super) bytes: Result<Vec<u8>, String>,
 }
 
-/// Textures that are asked for; `K` tells pictures from each other.
+/// The textures that are asked for; `K` identifies a picture.
 pub(super) struct Album<K> {
     pictures: Vec<(K, Opacity)>,
-    /// The place of the picture, and how it is looked up.
+    /// The index of the picture, and how it is looked up.
     textures: Vec<(usize, Sampling)>,
     is_full: bool,
     /// The most texels of all pictures together.
     most_texels: u64,
 }
 
-/// Textures that are there.
+/// The textures that could be read.
 #[derive(Default)]
 pub(super) struct Textures {
     /// All of them.
     pub(super) all: Vec<Texture>,
-    /// Of every one that was asked for, its place among them.
+    /// For every texture that was asked for, its index among them.
     places: Vec<Option<u16>>,
 }
 
@@ -47,7 +47,7 @@ impl<K: PartialEq> Album<K> {
         Self { pictures: Vec::new(), textures: Vec::new(), is_full: false, most_texels: MAX_TEXELS_TOGETHER }
     }
 
-    /// Asks for a texture, and gives its number; none where there are too many.
+    /// Asks for a texture and returns its number; none if there are too many.
     pub(super) fn ask(&mut self, picture: K, opacity: Opacity, sampling: Sampling) -> Option<u16> {
         let wanted = (picture, opacity);
         let known = self.pictures.iter().position(|known| *known == wanted);
@@ -71,10 +71,10 @@ impl<K: PartialEq> Album<K> {
         self.textures.is_empty()
     }
 
-    /// Reads and unpacks the pictures; what cannot be had is told in `warnings`.
+    /// Reads and unpacks the pictures; a picture that cannot be read gives a warning.
     ///
     /// # Errors
-    /// If nobody waits for the model any more.
+    /// If the watch has cancelled.
     pub(super) fn develop(
         self,
         file: ModelFile<'_>,
@@ -98,13 +98,13 @@ impl<K: PartialEq> Album<K> {
 }
 
 impl Textures {
-    /// The place of a texture by the number that it was asked for with.
+    /// Returns the index of a texture by the number that asking for it gave.
     pub(super) fn place(&self, number: u16) -> Option<u16> {
         self.places.get(usize::from(number)).copied().flatten()
     }
 }
 
-/// What is said of a picture that is not shown.
+/// Returns the warning about a picture that is not shown.
 fn left_out(name: &str, why: &str) -> String {
     format!("no picture from {}, plain colours instead: {why}", echo_up_to(name, 60))
 }

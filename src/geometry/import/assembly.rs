@@ -14,7 +14,7 @@ use crate::geometry::shading::SmoothGroup;
 use crate::geometry::texturing::{TexturePlace, Texturing};
 use crate::geometry::{Paint, Shading, TriMesh};
 
-/// A face of more corners takes so long to cut that a watcher is asked first.
+/// For a face with more corners than this, the watch is asked before cutting, which takes long.
 pub(super) const MANY_CORNERS: usize = 100;
 
 /// A mesh that grows, and what was left out of it.
@@ -22,24 +22,24 @@ pub(super) struct Assembly<'a> {
     file: ModelFile<'a>,
     mesh: TriMesh,
     cutter: Cutter,
-    /// In formats that have names.
+    /// None until something is named.
     namer: Option<Namer>,
-    /// Of every triangle, where there are names.
+    /// The label of every triangle, if there are names.
     labels: Vec<u16>,
     /// What the material of the next faces looks like.
     material: Tint,
-    /// The colours of vertices, of all of them or of the first.
+    /// The colours of all vertices, or of the first ones.
     vertex_tints: Vec<Tint>,
     /// The colours of triangles by their materials.
     triangle_tints: Vec<Tint>,
-    /// The picture of the next faces, by its number.
+    /// The number of the picture of the next faces.
     texture: Option<u16>,
-    /// The pictures of triangles, of all of them or of the first.
+    /// The pictures of all triangles, or of the first ones.
     triangle_textures: Vec<Option<u16>>,
-    /// Where vertices lie in the picture of their faces, all of them or the first.
+    /// Where all vertices, or the first ones, lie in the picture of their faces.
     vertex_places: Vec<TexturePlace>,
     smooth_groups: SmoothGroups,
-    /// What vertices are smooth with by their normals, of all of them or of the first.
+    /// The smoothing groups of all vertices, or of the first ones, by their normals.
     vertex_groups: Vec<SmoothGroup>,
     small_faces: usize,
     warnings: Vec<String>,
@@ -71,22 +71,22 @@ impl<'a> Assembly<'a> {
         self.mesh.positions.len()
     }
 
-    /// The faces that follow have this name; an empty one is none.
+    /// Names the faces that follow; an empty name is none.
     pub(super) fn call(&mut self, kind: NameOf, name: &str) {
         self.namer.get_or_insert_with(Namer::new).call(kind, name);
     }
 
-    /// The faces that follow have a material of this colour.
+    /// Sets the material colour of the faces that follow.
     pub(super) fn paint_faces(&mut self, tint: Tint) {
         self.material = tint;
     }
 
-    /// The faces that follow have a picture of this number.
+    /// Sets the number of the picture of the faces that follow.
     pub(super) fn texture_faces(&mut self, texture: Option<u16>) {
         self.texture = texture;
     }
 
-    /// Says where the vertex that was added last lies in the picture of its faces.
+    /// Sets where the vertex that was added last lies in the picture of its faces.
     pub(super) fn place_vertex(&mut self, place: TexturePlace) {
         set(&mut self.vertex_places, self.mesh.positions.len().saturating_sub(1), place);
     }
@@ -108,8 +108,8 @@ impl<'a> Assembly<'a> {
         self.check_size()
     }
 
-    /// Adds a face of any number of corners, which are vertices that are there or will be. Corners that repeat the one
-    /// before are dropped, and a face of fewer than three is left out.
+    /// Adds a face of any number of corners; if they are more than three, their vertices must be there already. Corners that
+    /// repeat the one before are dropped, and a face of fewer than three is left out.
     pub(super) fn face(&mut self, corners: &mut Vec<u32>) -> Result<(), ImportError> {
         corners.dedup();
         while corners.len() > 1 && corners.first() == corners.last() {
@@ -139,17 +139,17 @@ impl<'a> Assembly<'a> {
         self.check_size()
     }
 
-    /// Takes note of something that a person should know.
+    /// Adds a warning for the user.
     pub(super) fn warn(&mut self, warning: String) {
         self.warnings.push(warning);
     }
 
-    /// The mesh, if there is any surface.
+    /// Returns the mesh, if there is any surface.
     pub(super) fn finish(self) -> Result<Imported, ImportError> {
         self.finish_with(Textures::default())
     }
 
-    /// The mesh, if there is any surface, with the pictures that its faces have by their numbers.
+    /// Returns the mesh, if there is any surface, with the pictures of its faces by their numbers.
     pub(super) fn finish_with(mut self, textures: Textures) -> Result<Imported, ImportError> {
         if self.small_faces > 0 {
             self.warn(small_faces_warning(self.small_faces));
@@ -179,8 +179,8 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Writes the value of an element behind those of the elements before it. What nobody set is the default, and nothing is
-/// kept as long as all are.
+/// Appends the value of element `place` to a list. Elements before it without a value get the default, and the list stays
+/// empty as long as all values are the default.
 pub(super) fn set<T: Copy + Default + PartialEq>(list: &mut Vec<T>, place: usize, value: T) {
     if value != T::default() || !list.is_empty() {
         list.resize(place, T::default());
@@ -188,14 +188,14 @@ pub(super) fn set<T: Copy + Default + PartialEq>(list: &mut Vec<T>, place: usize
     }
 }
 
-/// The vertex that an index of a file means.
+/// Returns the vertex that an index of a file means.
 pub(super) fn vertex_index(index: i64, vertices: usize) -> Result<u32, Problem> {
     let known = usize::try_from(index).ok().filter(|&index| index < vertices);
     let out = || Problem::OutOfRange { index, vertices: vertices as u64, so_far: false };
     known.and_then(|index| u32::try_from(index).ok()).ok_or_else(out)
 }
 
-/// A position whose coordinates are within reach; `place` says where it is.
+/// Returns a position if its coordinates are within reach; `place` says where in the file it is.
 pub(super) fn within_reach(
     file: ModelFile<'_>,
     position: DVec3,
@@ -207,7 +207,7 @@ pub(super) fn within_reach(
     }
 }
 
-/// What is said of faces that are none.
+/// Returns the warning about faces that were left out.
 pub(super) fn small_faces_warning(count: usize) -> String {
     format!("faces with fewer than three different corners were left out: {count}")
 }

@@ -1,5 +1,5 @@
-//! The files beside a model that it is read from too, such as buffers. A model that somebody sends must not make this
-//! program look anywhere else: only what is in its own folder or below it is read.
+//! The files beside a model that it is read from too, such as buffers. A model from a stranger must not make this program
+//! look anywhere else: only files in its own folder or below it are read.
 
 use std::fmt;
 use std::path::{Component, Path};
@@ -9,13 +9,13 @@ use crate::text::echo_path;
 
 /// Model files that are kept elsewhere than on the disk, each at a place such as `lamp/lamp.gltf`.
 pub trait HeldFiles: fmt::Debug {
-    /// The bytes of a file, of which there may be so many.
+    /// Reads a file of at most `limit` bytes.
     ///
     /// # Errors
-    /// As of a file on the disk.
+    /// As for a file on the disk.
     fn read(&self, place: &str, limit: u64) -> Result<Vec<u8>, ReadError>;
 
-    /// What it is called in messages.
+    /// Returns the name of a file in messages.
     fn shown(&self, place: &str) -> String;
 }
 
@@ -45,8 +45,8 @@ impl Beside<'_> {
         }
     }
 
-    /// The name as the folder spells it: where it has no such file, that of one whose letters differ in case alone, as files
-    /// from systems where this is no difference are named.
+    /// Returns the name as the folder spells it. If there is no such file, a name that differs only in case is taken: on the
+    /// system where the model was made, case may not matter.
     pub(super) fn spelt(&self, name: &str) -> String {
         let Self::Folder(folder) = *self else { return name.to_owned() };
         if folder.join(name).exists() {
@@ -62,7 +62,7 @@ impl Beside<'_> {
         spelt
     }
 
-    /// What it is called in messages.
+    /// Returns the name of a file in messages.
     pub(super) fn shown(&self, name: &str) -> String {
         match *self {
             Self::Folder(folder) => echo_path(&folder.join(name)),
@@ -71,10 +71,10 @@ impl Beside<'_> {
     }
 }
 
-/// How many files of a folder are looked through at most for one whose name differs in case.
+/// The most files of a folder that are searched for a name that differs in case.
 const MOST_FILES: usize = 10_000;
 
-/// What a folder has whose name differs from this one in case alone; of several the first by name.
+/// Returns the name in a folder that differs from this one only in case; of several the first in order.
 fn alike(folder: &Path, name: &str) -> Option<String> {
     let small = name.to_lowercase();
     let entries = std::fs::read_dir(folder).ok()?.take(MOST_FILES).flatten();
@@ -82,7 +82,7 @@ fn alike(folder: &Path, name: &str) -> Option<String> {
     names.filter(|name| name.to_lowercase() == small).min()
 }
 
-/// A name without `.` where it means a file in the folder of the model or below it.
+/// Returns a name without `.` parts; none unless it means a file in the folder of the model or below it.
 pub(super) fn below(name: &str) -> Option<String> {
     let parts: Option<Vec<&str>> = Path::new(name)
         .components()
@@ -93,7 +93,7 @@ pub(super) fn below(name: &str) -> Option<String> {
     Some(parts.join("/"))
 }
 
-/// The same of a name as seen from a folder below that of the model; `..` may lead up to the model's own.
+/// Does the same for a name seen from a folder below the model's; `..` may lead up to the model's own.
 pub(super) fn below_from(folder: &str, name: &str) -> Option<String> {
     if name.starts_with('/') {
         return None;
@@ -109,7 +109,7 @@ pub(super) fn below_from(folder: &str, name: &str) -> Option<String> {
     below(&parts.join("/"))
 }
 
-/// The folder of a place and its name.
+/// Splits a place into its folder and its name.
 pub(super) fn folder_and_name(place: &str) -> (&str, &str) {
     place.rsplit_once('/').unwrap_or(("", place))
 }

@@ -79,7 +79,7 @@ pub enum ImportError {
         /// What is wrong and what would be right.
         problem: Problem,
     },
-    /// Stopped by the one who asked.
+    /// Cancelled by the caller.
     #[error("reading {file} was cancelled")]
     Cancelled {
         /// The path as given.
@@ -92,7 +92,7 @@ pub enum ImportError {
 pub enum Place {
     /// A line of a text, counted from 1.
     Line(usize),
-    /// What a binary file begins with.
+    /// The header of a binary file.
     Header,
     /// A triangle of a binary STL file, counted from 1.
     Triangle(usize),
@@ -104,7 +104,7 @@ pub enum Place {
     Primitive(usize, usize),
     /// A buffer of a glTF file, counted from 0.
     Buffer(usize),
-    /// What a glTF file says of itself.
+    /// A glTF file as a whole.
     Asset,
 }
 
@@ -148,7 +148,7 @@ pub enum Problem {
         index: i64,
         /// How many vertices there are.
         vertices: u64,
-        /// They are those before the place, not those of the file.
+        /// Whether only the vertices before the place count, not all of the file.
         so_far: bool,
     },
     /// A word where another one belongs.
@@ -162,12 +162,12 @@ pub enum Problem {
     /// The file ends too early.
     #[error("the file ends where {0} is needed; it may have been cut off")]
     Ends(&'static str),
-    /// Fewer bytes than what is said to be there would take.
+    /// Fewer bytes than the claimed contents need.
     #[error("{what} need {needed} bytes, but {there} are there; the file may have been cut off")]
     TooShort {
-        /// What is said to be there.
+        /// The claimed contents.
         what: String,
-        /// The bytes that it takes, at least.
+        /// The bytes that they need, at least.
         needed: u64,
         /// The bytes that are there.
         there: u64,
@@ -180,7 +180,7 @@ pub enum Problem {
     Unsupported {
         /// What it is.
         what: String,
-        /// What would be read.
+        /// What would be read, or what to do.
         remedy: &'static str,
     },
     /// A file that belongs to the model.
@@ -199,7 +199,7 @@ pub enum Problem {
         /// The number that is asked for.
         number: usize,
     },
-    /// What a parser refuses although nothing above does.
+    /// A refusal by a parser that no other variant describes.
     #[error("this cannot be read as {format} ({why})")]
     Refused {
         /// The format.
@@ -224,15 +224,15 @@ pub(super) fn quote(word: &[u8]) -> String {
     echo_up_to(&String::from_utf8_lossy(&word[..word.len().min(200)]), 30)
 }
 
-/// No coordinate is farther out: squares of areas and volumes of what is larger would be infinite.
+/// The farthest coordinate: squares of areas and volumes of larger ones would be infinite.
 const FARTHEST: f64 = 1e50;
 
-/// Whether a coordinate is a number that can be reckoned with.
+/// Whether a coordinate is a number that can be calculated with.
 pub(super) fn is_within_reach(coordinate: f64) -> bool {
     coordinate.abs() <= FARTHEST
 }
 
-/// The number that a word of a text stands for: a coordinate.
+/// Parses a word of a text as a coordinate.
 pub(super) fn coordinate(word: &[u8]) -> Result<f64, Problem> {
     match std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok()) {
         None => Err(Problem::BadNumber(quote(word))),

@@ -1,9 +1,9 @@
-//! What is read, as people are told of it, and how much of it.
+//! The formats that are read, and the limits on their size.
 
-/// The formats that are read, as a person is told of them.
+/// The formats that are read, for messages.
 pub const FORMATS: &str = "OBJ, STL, PLY or glTF";
 
-/// What the names of their files end with.
+/// The endings of the names of their files.
 pub const ENDINGS: [&str; 5] = ["obj", "stl", "ply", "gltf", "glb"];
 
 /// The largest file that is read, bytes: about twenty million triangles.

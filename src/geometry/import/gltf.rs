@@ -1,9 +1,8 @@
 //! glTF 2.0 and its binary form GLB: the triangles of all meshes that the default scene shows, each placed by its node.
 //! glTF is in metres and has y up, as everything here.
 //!
-//! gltf-json says what the JSON text means and nothing more: no index is followed and no byte read but here, so that
-//! each is held against what is there. Of materials their names, base colours and pictures of these are looked at, of
-//! cameras and animations nothing.
+//! gltf-json only parses the JSON text. Indices are followed and bytes read here alone, so that each is checked against what
+//! is there. Of materials the names, base colours and their pictures are read; cameras and animations are ignored.
 
 mod base_colors;
 mod buffers;
@@ -18,12 +17,12 @@ use crate::geometry::named_parts::NameOf;
 use crate::text::echo_up_to;
 use primitive::Reader;
 
-/// What a binary file begins with.
+/// The first bytes of a binary file.
 const MAGIC: &[u8] = b"glTF";
-/// A JSON text with more objects would take gigabytes as nodes and accessors.
+/// The most objects in a JSON text: as nodes and accessors, more would take gigabytes.
 const MOST_OBJECTS: usize = 1 << 20;
 
-/// Extensions without which a surface is still what it is, by what their names begin with.
+/// The beginnings of the names of extensions that do not change a surface.
 const HARMLESS: [&str; 6] =
     ["KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "KHR_mesh_quantization", "KHR_animation_"];
 
@@ -62,19 +61,19 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     reader.finish()
 }
 
-/// The names of the files beside a model that it is read from too; none where it cannot be read.
+/// Returns the names of the files beside a model that it is read from too; none if it cannot be read.
 pub(super) fn names_beside(file: ModelFile<'_>) -> Vec<String> {
     let parts = if is_glb(file.bytes) { chunks(file) } else { Ok(Parts { json: file.bytes, blob: None }) };
     let root = parts.and_then(|parts| parse(file, parts.json));
     let Ok(root) = root else { return Vec::new() };
     let buffers = root.buffers.iter().filter_map(|buffer| buffers::name_beside(buffer.uri.as_deref()?));
-    // A model is read without a picture that is not there, but not without a buffer.
+    // A model can be read without a missing picture, but not without a missing buffer.
     let is_there = |name: &String| file.beside.is_some_and(|beside| beside.has(name));
     let pictures = base_colors::uris(&root).filter_map(buffers::name_beside).filter(is_there);
     buffers.chain(pictures).collect()
 }
 
-/// What was left out on the way.
+/// What was left out.
 #[derive(Default)]
 struct LeftOut {
     /// Primitives of points or lines.
@@ -100,7 +99,7 @@ struct Parts<'a> {
     blob: Option<&'a [u8]>,
 }
 
-/// Parts a binary file: 12 bytes of header, then chunks of a length, a kind and so many bytes.
+/// Splits a binary file: 12 bytes of header, then chunks, each a length, a kind and that many bytes.
 fn chunks(file: ModelFile<'_>) -> Result<Parts<'_>, ImportError> {
     let fail = |problem| file.at(Place::Header, problem);
     let there = file.bytes.len() as u64;
@@ -130,7 +129,7 @@ fn chunks(file: ModelFile<'_>) -> Result<Parts<'_>, ImportError> {
             }
             _ => {}
         }
-        // Chunks are filled up to four bytes.
+        // Chunks are padded to a multiple of four bytes.
         at += 8 + chunk.len().next_multiple_of(4);
     }
     Ok(Parts { json: found[0].unwrap_or_default(), blob: found[1] })
@@ -152,8 +151,8 @@ fn parse(file: ModelFile<'_>, json: &[u8]) -> Result<Root, ImportError> {
     Ok(root)
 }
 
-/// All nodes that the default scene shows, and where they put what they hold. Without a default scene it is the first
-/// one; without any, all nodes.
+/// Returns all nodes of the default scene with the transforms of what they hold. Without a default scene the first one
+/// counts; without any scene, all nodes.
 fn placed_nodes<'a>(file: ModelFile<'_>, root: &'a Root) -> Result<Vec<(&'a Node, DMat4)>, ImportError> {
     let roots: Vec<usize> = match (root.scene, root.scenes.first()) {
         (Some(scene), _) => {
@@ -185,7 +184,7 @@ fn placed_nodes<'a>(file: ModelFile<'_>, root: &'a Root) -> Result<Vec<(&'a Node
     Ok(placed)
 }
 
-/// How a node moves, turns and scales what it holds: by a matrix, or by the three one after the other.
+/// Returns the transform of what a node holds: a matrix, or scale, rotation and translation in this order.
 fn local(node: &Node) -> DMat4 {
     if let Some(matrix) = node.matrix {
         return DMat4::from_cols_array(&matrix.map(f64::from));

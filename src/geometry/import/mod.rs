@@ -1,8 +1,8 @@
 //! Model files to meshes: OBJ through tobj, STL, PLY through ply-rs-bw, glTF through gltf-json. Knows nothing of cells or of
 //! what the mesh is for.
 //!
-//! What a file holds says which format it is in; only where that says nothing does its name. Whatever a header claims
-//! is held against the bytes that are there before anything is made of it.
+//! The content of a file tells its format; only if it does not, the name does. Every claim of a header is checked against
+//! the bytes that are there before it is used.
 
 mod album;
 mod assembly;
@@ -54,7 +54,7 @@ pub fn load(path: &Path, detail: Detail) -> Result<Imported, ImportError> {
     load_watched(path, detail, &())
 }
 
-/// Reads a model file while someone waits.
+/// Reads a model file; `watch` hears of the progress and may cancel.
 pub fn load_watched(path: &Path, detail: Detail, watch: &dyn Watch) -> Result<Imported, ImportError> {
     let name = &echo_path(path);
     let bytes = disk::read(path, MAX_FILE_BYTES).map_err(|error| unread(name, error))?;
@@ -63,7 +63,7 @@ pub fn load_watched(path: &Path, detail: Detail, watch: &dyn Watch) -> Result<Im
     read(ModelFile { bytes: &bytes, name, beside, detail, watch }, &ending)
 }
 
-/// Reads a model file that is kept elsewhere than on the disk, while someone waits.
+/// Reads a model file that is kept elsewhere than on the disk; `watch` hears of the progress and may cancel.
 pub fn load_held(
     files: &dyn HeldFiles,
     place: &str,
@@ -87,7 +87,7 @@ fn unread(name: &str, error: ReadError) -> ImportError {
     }
 }
 
-/// The files that a model is read from: itself, and those beside it that hold its bytes, its materials and its pictures.
+/// Returns the files that a model is read from: itself, and those beside it that hold its bytes, materials and pictures.
 pub fn files_of(path: &Path) -> Vec<PathBuf> {
     let folder = disk::folder_of(path);
     let bytes = disk::read(path, MAX_FILE_BYTES).unwrap_or_default();
@@ -95,7 +95,7 @@ pub fn files_of(path: &Path) -> Vec<PathBuf> {
     [path.to_owned()].into_iter().chain(names.into_iter().map(|name| folder.join(name))).collect()
 }
 
-/// The same of a model that is kept elsewhere than on the disk: their places.
+/// Returns the places of the files that a model is read from, if it is kept elsewhere than on the disk.
 pub fn held_files_of(files: &dyn HeldFiles, place: &str) -> Vec<String> {
     let folder = folder_and_name(place).0;
     let bytes = files.read(place, MAX_FILE_BYTES).unwrap_or_default();
@@ -103,7 +103,7 @@ pub fn held_files_of(files: &dyn HeldFiles, place: &str) -> Vec<String> {
     [place.to_owned()].into_iter().chain(names.into_iter().map(|name| joined(folder, &name))).collect()
 }
 
-/// The names of the files beside a model that it is read from, each once.
+/// Returns the names of the files beside a model that it is read from, each once.
 fn names_beside(bytes: &[u8], beside: Beside<'_>) -> Vec<String> {
     let file = ModelFile { beside: Some(beside), ..ModelFile::new(bytes, "") };
     let mut names = match format_of(bytes) {
@@ -124,7 +124,7 @@ pub fn parse(bytes: &[u8], name: &str) -> Result<Imported, ImportError> {
     read(ModelFile::new(bytes, name), &ending_of(name))
 }
 
-/// What a name ends with, in small letters.
+/// The ending of a name, in lower case.
 fn ending_of(name: &str) -> String {
     name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase()).unwrap_or_default()
 }
@@ -165,7 +165,7 @@ fn read_as(format: Format, file: ModelFile<'_>) -> Result<Imported, ImportError>
     }
 }
 
-/// The format that the bytes themselves tell.
+/// Returns the format that the bytes themselves tell.
 fn format_of(bytes: &[u8]) -> Option<Format> {
     if gltf::is_glb(bytes) {
         return Some(Format::Gltf);
@@ -173,7 +173,7 @@ fn format_of(bytes: &[u8]) -> Option<Format> {
     if ply::is_ply(bytes) {
         return Some(Format::Ply);
     }
-    // Before the first word: what a binary STL file begins with is free, and often the `solid` of a text.
+    // Checked before the first word: a binary STL file may begin with anything, often with the `solid` of a text.
     if stl::is_binary_stl(bytes) {
         return Some(Format::StlBinary);
     }

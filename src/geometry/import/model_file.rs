@@ -5,7 +5,7 @@ use super::error::{ImportError, Place, Problem};
 use crate::geometry::named_parts::NamedParts;
 use crate::geometry::{Paint, Shading, TriMesh, Watch};
 
-/// Elements between two looks at whether someone still waits.
+/// Elements between two questions to the watch.
 const LOOK: usize = 1 << 16;
 
 /// A model file as a mesh.
@@ -13,11 +13,11 @@ const LOOK: usize = 1 << 16;
 pub struct Imported {
     /// All objects and groups of the file as one surface, in the file's own units and place.
     pub mesh: TriMesh,
-    /// What its triangles are called; none where nothing has a name.
+    /// The names of its triangles; none if nothing has a name.
     pub parts: Option<NamedParts>,
-    /// What colours and pictures it has; none where the file gives none.
+    /// Its colours and pictures; none if the file gives none.
     pub paint: Option<Paint>,
-    /// Where it is smooth; none where the file says nothing of that.
+    /// Where it is smooth; none if the file says nothing of that.
     pub shading: Option<Shading>,
     /// What was left out, a sentence each.
     pub warnings: Vec<String>,
@@ -36,7 +36,7 @@ pub enum Detail {
 #[derive(Clone, Copy)]
 pub(super) struct ModelFile<'a> {
     pub(super) bytes: &'a [u8],
-    /// What it is called in messages.
+    /// Its name in messages.
     pub(super) name: &'a str,
     /// Where the files beside it are, if it is a file.
     pub(super) beside: Option<Beside<'a>>,
@@ -45,17 +45,17 @@ pub(super) struct ModelFile<'a> {
 }
 
 impl<'a> ModelFile<'a> {
-    /// A file that nobody waits for, of which everything is read.
+    /// A file that is read in full and without a watch.
     pub(super) fn new(bytes: &'a [u8], name: &'a str) -> Self {
         Self { bytes, name, beside: None, detail: Detail::Pictures, watch: &() }
     }
 
-    /// What is wrong at a place of this file.
+    /// Returns the error about a problem at a place of this file.
     pub(super) fn at(&self, place: Place, problem: Problem) -> ImportError {
         ImportError::At { file: self.name.to_owned(), place, problem }
     }
 
-    /// A part that a place of this file asks for and that does not exist.
+    /// Returns the error about a part that a place of this file asks for and that does not exist.
     pub(super) fn no_such(&self, place: Place, what: &'static str, number: usize) -> ImportError {
         self.at(place, Problem::NoSuch { what, number })
     }
@@ -64,7 +64,7 @@ impl<'a> ModelFile<'a> {
         ImportError::Cancelled { file: self.name.to_owned() }
     }
 
-    /// Says how far reading is once in many elements, and hears whether to go on.
+    /// Reports the progress of reading once in many elements, and asks whether to go on.
     pub(super) fn look(&self, element: usize, fraction: impl FnOnce() -> f64) -> Result<(), ImportError> {
         if element % LOOK == LOOK - 1 {
             self.watch.progress(fraction());

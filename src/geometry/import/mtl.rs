@@ -1,5 +1,5 @@
-//! The material files of OBJ: text that stands beside the model. Of a material its colour is read (`Kd`) and the picture of
-//! its colours (`map_Kd`); one line that is not understood spoils no other.
+//! The material files of OBJ: texts beside the model. A material's colour (`Kd`) and the picture of its colours (`map_Kd`)
+//! are read; a line that is not understood does not affect the others.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::geometry::named_parts::clean;
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_srgb};
 use crate::text::echo_up_to;
 
-/// All material files of a model together may have so many bytes.
+/// The most bytes of all material files of a model together.
 const MAX_BYTES: u64 = 16 << 20;
 
 /// The most material files of a model that are looked for.
@@ -30,7 +30,7 @@ pub(super) struct Material {
     pub(super) map: Option<Map>,
 }
 
-/// Reads the material files that a model names; what cannot be read is told in `warnings`. A model that is no file has
+/// Reads the material files that a model names; a file that cannot be read gives a warning. A model that is not a file has
 /// none beside it.
 pub(super) fn read(file: ModelFile<'_>, named: &[String], warnings: &mut Vec<String>) -> Materials {
     let mut materials = Materials::new();
@@ -50,7 +50,7 @@ pub(super) fn read(file: ModelFile<'_>, named: &[String], warnings: &mut Vec<Str
     materials
 }
 
-/// The names of the material files beside a model that are there, and of the pictures in them that are.
+/// Returns the names of the material files beside a model, and of the pictures in them, as far as the files exist.
 pub(super) fn names_beside(beside: Beside<'_>, named: &[String]) -> Vec<String> {
     let (mut names, mut materials) = (Vec::new(), Materials::new());
     for (name, bytes) in named.iter().filter_map(|named| find(beside, named, MAX_BYTES).ok()).flatten() {
@@ -61,7 +61,7 @@ pub(super) fn names_beside(beside: Beside<'_>, named: &[String]) -> Vec<String> 
     names
 }
 
-/// The file that a line `mtllib` names, blanks in its name included, or else the several that it names.
+/// Reads the file that a line `mtllib` names, with blanks in its name, or else the several files that it names.
 fn find(beside: Beside<'_>, named: &str, limit: u64) -> Result<Vec<(String, Vec<u8>)>, String> {
     let one = |name: &str| {
         let elsewhere = || "only files beside the model and in folders below it are read".to_owned();

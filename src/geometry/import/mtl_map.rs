@@ -13,11 +13,11 @@ use crate::math::picture::{Sampling, Wrap};
 pub(super) struct Map {
     /// The file as it is named, with `/` between folders.
     pub(super) file: String,
-    /// The folder of the material file, from that of the model.
+    /// The folder of the material file, relative to that of the model.
     pub(super) folder: String,
     /// How it is looked up.
     pub(super) sampling: Sampling,
-    /// What is not read of what is said about it.
+    /// The options that are not read although they would change something.
     pub(super) left_out: Vec<&'static str>,
     scale: [f64; 2],
     offset: [f64; 2],
@@ -27,16 +27,16 @@ pub(super) struct Map {
 struct MapOption {
     word: &'static str,
     takes: Takes,
-    /// What says nothing; none where every value says something that is not read.
+    /// For an option that is not read, the value that changes nothing; none if every value would.
     usual: Option<&'static str>,
 }
 
-/// What stands behind an option.
+/// The arguments of an option.
 #[derive(Clone, Copy)]
 enum Takes {
     /// One word.
     Word,
-    /// So many numbers, of which all but the first may be left out.
+    /// Up to this many numbers, of which all but the first may be left out.
     Numbers(usize),
 }
 
@@ -56,7 +56,7 @@ const OPTIONS: [MapOption; 12] = [
 ];
 
 impl Map {
-    /// What stands behind `map_Kd` in a material file of a folder; nothing where no file is named.
+    /// Parses what follows `map_Kd` in a material file of a folder; none if no file is named.
     pub(super) fn parse(line: &[u8], folder: &str) -> Option<Self> {
         let line = String::from_utf8_lossy(line);
         let mut rest = line.trim();
@@ -73,7 +73,7 @@ impl Map {
             rest = after;
             let most = if let Takes::Numbers(most) = option.takes { most } else { 1 };
             while values.len() < most {
-                // The last word is the file's.
+                // The last word belongs to the name of the file.
                 let Some((word, after)) = rest.split_once(char::is_whitespace) else { break };
                 if matches!(option.takes, Takes::Numbers(_)) && coordinate(word.as_bytes()).is_err() {
                     break;
@@ -95,8 +95,8 @@ impl Map {
         [u as f32, (1.0 - v) as f32]
     }
 
-    /// The name of the file beside the model: as it is named or, since what is named is often a folder of another machine, by
-    /// the last part of that beside the material file.
+    /// Finds the file beside the model: by its name or, since the name often has a folder of another machine, by the last
+    /// part of it beside the material file.
     pub(super) fn find(&self, beside: Beside<'_>) -> Option<String> {
         let last = self.file.rsplit('/').next().unwrap_or_default();
         let names = [&self.file, last].into_iter().filter_map(|name| below_from(&self.folder, name));
@@ -138,7 +138,7 @@ impl Map {
     }
 }
 
-/// What stands behind a word at the beginning of a line.
+/// Returns what follows a word at the beginning of a line.
 fn after<'a>(line: &'a str, word: &str) -> Option<&'a str> {
     let rest = line.strip_prefix(word)?;
     rest.starts_with(char::is_whitespace).then(|| rest.trim_start())

@@ -72,7 +72,7 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     let parts = namer.finish(of_triangles);
     let none = Coordinates::default();
     let placed = Placed { coordinates: coordinates.as_ref().unwrap_or(&none), corners: &placed };
-    // Material files that are missing are told even where no face asks for a material: they would not be named for nothing.
+    // Missing material files are reported even if no face asks for a material: the file names them for a purpose.
     let materials = mtl::read(file, lines.libraries(), &mut warnings);
     let (tints, texturing) = match &parts {
         Some(parts) => of_materials(file, parts, &materials, placed, &mut warnings)?,
@@ -82,12 +82,12 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     Ok(Imported { mesh, parts, paint, shading: Shading::new(smooth), warnings })
 }
 
-/// The names of the files beside a model that its colours and pictures are read from; those that are not there are left out.
+/// Returns the names of the files beside a model that its colours and pictures are read from, as far as they exist.
 pub(super) fn names_beside(file: ModelFile<'_>) -> Vec<String> {
     file.beside.map(|beside| mtl::names_beside(beside, &libraries(file.bytes))).unwrap_or_default()
 }
 
-/// The colours of vertices: of 0..1, or of 0..255 where one is above 1. Below 0 stands for none.
+/// Converts the colours of vertices: of 0..1, or of 0..255 if one is above 1. Below 0 stands for none.
 fn vertex_tints(channels: &[[f64; 3]]) -> Vec<Tint> {
     let most = channels.iter().flatten().fold(1.0_f64, |most, &channel| most.max(channel));
     let scale = if most > 1.0 { 1.0 / 255.0 } else { 1.0 };
@@ -118,15 +118,15 @@ fn of_materials(
     let tint = |triangle: usize| {
         let tint = of_labels[usize::from(parts.label(triangle))].map_or(NO_TINT, |material| material.tint);
         let has_picture = || texturing.as_ref().is_some_and(|texturing| texturing.of(triangle).is_some());
-        // Black would leave nothing of a picture. Who writes it means that the picture is all there is.
+        // Black would leave nothing of a picture. A file with both means the picture alone.
         if tint == BLACK && has_picture() { NO_TINT } else { tint }
     };
     let tints = (0..parts.count()).map(tint).collect();
     Ok((tints, texturing))
 }
 
-/// Adds the polygons of one model of the file, as triangles, and calls `added` with the number of corners of each and the
-/// triangles between these; none where someone has cancelled.
+/// Adds the polygons of one model of the file, as triangles, and calls `added` with each polygon's number of corners and its
+/// triangles; none if cancelled.
 fn append(
     mesh: &mut TriMesh,
     model: &tobj::Mesh,

@@ -11,19 +11,19 @@ pub(super) type CornerPlace = Option<NonZeroU32>;
 #[derive(Debug, Default)]
 pub(super) struct Coordinates {
     all: Vec<[f64; 2]>,
-    /// Of the corners of faces in the order of the file, as far as one has any.
+    /// The places of the corners of faces in the order of the file, up to the last corner that has one.
     pub(super) of_corners: Vec<CornerPlace>,
 }
 
 impl Coordinates {
-    /// Adds what stands behind `vt`: u, and v where there is one. What is no number lies nowhere.
+    /// Adds the arguments of `vt`: u, and v if there is one. A word that is not a number becomes NaN.
     pub(super) fn add<'w>(&mut self, mut words: impl Iterator<Item = &'w [u8]>) {
         let mut along = |otherwise| words.next().map_or(otherwise, |word| coordinate(word).unwrap_or(f64::NAN));
         let place = [along(f64::NAN), along(0.0)];
         self.all.push(place);
     }
 
-    /// What an index of a corner means: counted from 1, where it may stand below the face, or back from the last above it.
+    /// Resolves the index of a corner: counted from 1, even if it stands below the face, or back from the last above it.
     pub(super) fn place(&self, index: i64) -> CornerPlace {
         let place = match index {
             0.. => u32::try_from(index).ok()?,
@@ -34,7 +34,7 @@ impl Coordinates {
         NonZeroU32::new(place)
     }
 
-    /// The coordinate of a place; none where there is no such.
+    /// Returns the coordinate of a place; none if it does not exist.
     pub(super) fn at(&self, place: CornerPlace) -> Option<[f64; 2]> {
         self.all.get(place?.get() as usize - 1).copied()
     }

@@ -12,7 +12,7 @@ pub(super) fn libraries(bytes: &[u8]) -> Vec<String> {
     found
 }
 
-/// Adds what a line `mtllib` names.
+/// Adds the name in a line `mtllib`.
 pub(super) fn add_library(libraries: &mut Vec<String>, line: &[u8]) {
     let rest = line.trim_ascii().strip_prefix(b"mtllib").unwrap_or_default();
     let name = String::from_utf8_lossy(rest.trim_ascii()).into_owned();

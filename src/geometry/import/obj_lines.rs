@@ -1,12 +1,11 @@
 //! The text of an OBJ file as the lines that matter here: checked, cleaned and counted, for tobj to parse.
 //!
-//! tobj names no line in its errors, takes `l` for a face, wants every texture coordinate in order and opens
-//! materials. So it is handed only vertices (three coordinates) and faces (position indices, counted from 1), each
-//! checked where it stands; everything else a surface does not need stays behind. Vertices have colours (three more
-//! numbers) where one of the file has, those without one -1. What corners are smooth with, by their normals (`vn`) or the
-//! smoothing group (`s`) of the face, is kept beside them, and where there may be pictures their texture coordinates
-//! (`vt`). What faces are called (`usemtl`, `g`,
-//! `o`) is kept beside them: all of the line behind the first word is the name, blanks and `#` within it too.
+//! tobj names no line in its errors, takes `l` for a face, wants every texture coordinate in order and opens materials. So
+//! it is given only vertices (three coordinates) and faces (position indices, counted from 1), each checked where it stands;
+//! everything else that a surface does not need is left out. If a vertex of the file has a colour, all vertices get three
+//! more numbers, -1 for those without one. Kept beside these lines are the smoothing of corners, by their normals (`vn`) or
+//! the smoothing group (`s`) of the face; their texture coordinates (`vt`), if there may be pictures; and the names of faces
+//! (`usemtl`, `g`, `o`): all of the line after the first word, with blanks and `#`.
 
 use std::io::{self, BufRead, Read};
 
@@ -19,7 +18,7 @@ use crate::geometry::Watch;
 use crate::geometry::named_parts::{NameOf, Namer};
 use crate::geometry::shading::SmoothGroup;
 
-/// What was left out on the way.
+/// What was left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct LeftOut {
     /// Faces with fewer than three different corners.
@@ -30,7 +29,7 @@ pub(super) struct LeftOut {
     pub(super) curves: usize,
 }
 
-/// Reads the bytes of an OBJ file and gives them on as clean lines, one at a time.
+/// Reads the bytes of an OBJ file and passes them on as clean lines, one at a time.
 pub(super) struct ObjLines<'a> {
     rest: &'a [u8],
     total_bytes: usize,
@@ -46,16 +45,16 @@ pub(super) struct ObjLines<'a> {
     given: usize,
     left_out: LeftOut,
     namer: Namer,
-    /// Of every face that was given on, once something has a name.
+    /// The label of every face passed on, once something has a name.
     labels: Vec<u16>,
     smooth_groups: SmoothGroups,
     /// The group of every normal that was read.
     normals: Vec<SmoothGroup>,
     smoothing: Smoothing,
-    /// Corners of the faces that were given on, and the groups of them, once one has any.
+    /// The number of corners of the faces passed on, and their groups, once one has any.
     corners: usize,
     corner_groups: Vec<SmoothGroup>,
-    /// None where nothing can have a picture.
+    /// None if nothing can have a picture.
     coordinates: Option<Coordinates>,
     /// The material files that are named.
     libraries: Vec<String>,
@@ -63,7 +62,7 @@ pub(super) struct ObjLines<'a> {
     watch: &'a dyn Watch,
 }
 
-/// How faces are smooth whose corners have no normals.
+/// The smoothing of faces whose corners have no normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Smoothing {
     /// Nothing was said yet.
@@ -78,7 +77,7 @@ enum Smoothing {
 struct Corner {
     /// The index of its vertex, counted from 1.
     position: u64,
-    /// What it is smooth with by its normal, where that stands above it.
+    /// The group of its normal, if that stands above the face.
     by_normal: SmoothGroup,
     /// Its texture coordinate.
     place: CornerPlace,
@@ -92,7 +91,7 @@ pub(super) enum Stop {
 }
 
 impl<'a> ObjLines<'a> {
-    /// Of the bytes of a file; texture coordinates are kept where they are wanted and a material file is named.
+    /// Prepares to read the bytes of a file. Texture coordinates are kept if they are wanted and a material file is named.
     pub(super) fn new(bytes: &'a [u8], wants_coordinates: bool, watch: &'a dyn Watch) -> Self {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut lines = Self {
@@ -152,17 +151,17 @@ impl<'a> ObjLines<'a> {
         self.left_out
     }
 
-    /// What names the faces, and the label of each; faces before the first name have none.
+    /// Returns the names of the faces and the label of each; faces before the first name have none.
     pub(super) fn take_names(&mut self) -> (Namer, Vec<u16>) {
         (std::mem::replace(&mut self.namer, Namer::new()), std::mem::take(&mut self.labels))
     }
 
-    /// What the corners of faces are smooth with, in the order of the file; those that are missing with nothing said.
+    /// Returns the groups of the corners of faces, in the order of the file; empty if no corner has one.
     pub(super) fn take_smooth_groups(&mut self) -> Vec<SmoothGroup> {
         std::mem::take(&mut self.corner_groups)
     }
 
-    /// The texture coordinates, and where the corners of faces have theirs; none where they were not kept.
+    /// Returns the texture coordinates and those of the corners of faces; none if they were not kept.
     pub(super) fn take_coordinates(&mut self) -> Option<Coordinates> {
         self.coordinates.take()
     }
@@ -192,7 +191,7 @@ impl<'a> ObjLines<'a> {
         Some(whole.into())
     }
 
-    /// One line as it stands, without comment, line end and continuation mark; whether it has such a mark.
+    /// Takes one line as it stands, without comment, line end and continuation mark; returns whether it had such a mark.
     fn take_physical_line(&mut self) -> (&'a [u8], bool) {
         let is_end = |&byte: &u8| byte == b'\n' || byte == b'\r';
         let end = self.rest.iter().position(is_end).unwrap_or(self.rest.len());
@@ -385,7 +384,7 @@ impl BufRead for ObjLines<'_> {
     }
 }
 
-/// The place of what an index of the file means, counted from 1 or back from the last of so many.
+/// Resolves an index of the file, counted from 1 or back from the last of `count`, to a place from 0.
 fn place_of(index: i64, count: usize) -> Option<usize> {
     match index {
         0 => None,
@@ -398,14 +397,14 @@ fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
-/// The colour that a vertex has behind its coordinates: three numbers, and how opaque it is where that is written.
+/// Returns the colour after a vertex's coordinates: three numbers, which an opacity may follow.
 fn color<'w>(mut words: impl Iterator<Item = &'w [u8]>) -> Option<[&'w [u8]; 3]> {
     let channels = [words.next()?, words.next()?, words.next()?];
     let is_channel = |word: &&[u8]| coordinate(word).is_ok_and(|channel| channel >= 0.0);
     (channels.iter().all(is_channel) && words.nth(1).is_none()).then_some(channels)
 }
 
-/// What a line that begins with this word names.
+/// Returns the kind of name that a line with this first word gives.
 fn name_of(word: &[u8]) -> Option<NameOf> {
     match word {
         b"usemtl" => Some(NameOf::Material),

@@ -16,17 +16,17 @@ use crate::text::echo_up_to;
 /// The texture coordinates of a file's triangles.
 #[derive(Clone, Copy)]
 pub(super) struct Placed<'a> {
-    /// All of the file.
+    /// All coordinates of the file.
     pub(super) coordinates: &'a Coordinates,
-    /// Of the corners of every triangle.
+    /// Those of the corners of every triangle.
     pub(super) corners: &'a [[CornerPlace; 3]],
 }
 
-/// Lays the pictures of materials on the triangles of parts; `materials` are those of the parts' labels. What cannot be shown
-/// is told in `warnings`.
+/// Lays the pictures of materials on the triangles of parts; `materials` are those of the parts' labels. What cannot be
+/// shown gives a warning.
 ///
 /// # Errors
-/// If nobody waits for the model any more.
+/// If the watch has cancelled.
 pub(super) fn texturing(
     file: ModelFile<'_>,
     parts: &NamedParts,
@@ -62,7 +62,7 @@ pub(super) fn texturing(
     Ok(texturing)
 }
 
-/// Which texture every triangle has; of how many it has no place in it.
+/// Returns the texture of every triangle, and how many triangles have a texture but no place in it.
 fn laid(
     parts: &NamedParts,
     asked: &[Option<(u16, Map)>],
@@ -84,8 +84,8 @@ fn laid(
     (Texturing::new(textures.all, of_triangles, corners), unplaced)
 }
 
-/// The bytes of a picture by the name of its file, or by what was named and why there is no such file; taken from those that
-/// all of them may have.
+/// Reads a picture by the name of its file, or passes on the name and why there is no such file. Its bytes are taken from
+/// the budget of all pictures.
 fn bytes_of(beside: Beside<'_>, wanted: Result<String, (String, &'static str)>, budget: &mut u64) -> PictureBytes {
     match wanted {
         Ok(name) => {

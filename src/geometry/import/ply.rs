@@ -1,9 +1,9 @@
-//! PLY files, binary and text: vertices with `x`, `y` and `z`, faces with any number of corners, and the colours of both
-//! (`red`, `green`, `blue`). Normals and whatever else a file's own header describes is stepped over.
+//! PLY files, binary and text: vertices with `x`, `y` and `z` and their normals, faces with any number of corners, and the
+//! colours of both (`red`, `green`, `blue`). Everything else that a file's own header describes is skipped.
 //!
-//! ply-rs-bw reads the header and the elements of binary files, one at a time, so that each can be named. Texts are taken
-//! apart here: it reads neither `nan` where nobody asks for a number nor `.5`, and drops the digits that a double has
-//! more than a `float`.
+//! ply-rs-bw reads the header and the elements of binary files, one at a time, so that errors can name the element. Texts
+//! are parsed here: the crate accepts neither `nan` in an unused property nor `.5`, and drops the digits beyond single
+//! precision of a `float`.
 
 mod element;
 
@@ -17,7 +17,7 @@ use super::model_file::{Imported, ModelFile};
 use crate::geometry::paint::tint_of_srgb;
 use element::{Element, INDICES, text_element};
 
-/// No header is longer than this, bytes.
+/// The longest header, bytes.
 const LONGEST_HEADER: usize = 1 << 20;
 
 /// Whether the first line says that it is a PLY file.
@@ -55,12 +55,12 @@ enum Kind {
 struct Split<'a> {
     /// The header with `\n` after each line.
     text: String,
-    /// How many lines it has.
+    /// The number of its lines.
     lines: usize,
     payload: &'a [u8],
 }
 
-/// Parts the header from what follows. All lines end as the first one does.
+/// Splits the header from the rest. All lines end as the first one does.
 fn split(file: ModelFile<'_>) -> Result<Split<'_>, ImportError> {
     let is_end = |&byte: &u8| byte == b'\n' || byte == b'\r';
     let first = file.bytes.iter().position(is_end).unwrap_or(0);
@@ -93,7 +93,7 @@ fn parse_header(file: ModelFile<'_>, text: &str) -> Result<Header, ImportError> 
         };
         file.at(Place::Line(number), Problem::Unexpected { found: quote(line.as_bytes()), needed })
     })?;
-    // The parser keeps one of two that have the same name, and would take the bytes of one for those of another.
+    // Of two equal names the parser keeps one, and would take the bytes of the other for something else's.
     let says = |word: &str| text.lines().filter(|line| line.split_ascii_whitespace().next() == Some(word)).count();
     let properties: usize = header.elements.values().map(|def| def.properties.len()).sum();
     if says("element") != header.elements.len() || says("property") != properties {
@@ -103,7 +103,7 @@ fn parse_header(file: ModelFile<'_>, text: &str) -> Result<Header, ImportError> 
     Ok(header)
 }
 
-/// Holds what the header says of an element against what a surface needs and the bytes that are there.
+/// Checks what the header says of an element against what a surface needs and the bytes that are there.
 fn check(
     file: ModelFile<'_>,
     def: &ElementDef,
@@ -188,7 +188,7 @@ fn read_elements(
 /// The elements of a file that have not been read.
 struct Payload<'a> {
     bytes: &'a [u8],
-    /// Of a text: the number of the next line.
+    /// In a text, the number of the next line.
     line: usize,
     encoding: Encoding,
 }
@@ -204,7 +204,7 @@ impl<'a> Payload<'a> {
             Encoding::BinaryBigEndian => parser.read_big_endian_element(&mut self.bytes, def),
             Encoding::BinaryLittleEndian => parser.read_little_endian_element(&mut self.bytes, def),
         };
-        // All that can be wrong with bytes of known sizes: they end, or a list has less than no entries.
+        // Bytes of known sizes can be wrong in two ways: they end, or a list has a negative number of entries.
         read.map_err(|error| match error.kind() {
             std::io::ErrorKind::UnexpectedEof => Problem::Ends("the rest of it"),
             _ => Problem::Refused { format: "PLY", why: quote(error.to_string().as_bytes()) },
@@ -226,7 +226,7 @@ impl<'a> Payload<'a> {
         None
     }
 
-    /// Where the element that was read last is.
+    /// Returns the place of the element that was read last.
     fn place(&self, def: &ElementDef, number: usize) -> Place {
         match self.encoding {
             Encoding::Ascii => Place::Line(self.line - 1),
@@ -238,7 +238,7 @@ impl<'a> Payload<'a> {
     fn least_bytes(&self, property: &PropertyType) -> u64 {
         let (PropertyType::Scalar(first) | PropertyType::List(first, _)) = property;
         match first {
-            // A digit and what parts it from the next.
+            // A digit and a separator.
             _ if self.encoding == Encoding::Ascii => 2,
             ScalarType::Char | ScalarType::UChar => 1,
             ScalarType::Short | ScalarType::UShort => 2,

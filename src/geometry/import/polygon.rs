@@ -1,15 +1,15 @@
-//! Polygons to triangles: concave ones right, bent and broken ones somehow, never leaving a gap. Memory is linear in the
-//! number of corners. Ear clipping takes quadratic time at worst, so that a file has a budget of it.
+//! Cuts polygons into triangles: concave ones correctly, bent and broken ones somehow, but never with a gap. Memory is
+//! linear in the number of corners. Ear clipping takes quadratic time at worst, so a file has a budget of it.
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
-/// Ear clipping that one file may ask for, in squares of corners: about ten seconds at the very worst. One polygon that
-/// crosses itself, or is larger than this, may have 20 000 corners.
+/// The ear clipping that one file may ask for, in squares of corners: about ten seconds at the very worst. A polygon of 20
+/// 000 corners that crosses itself takes all of it; a larger polygon is never tried.
 const EAR_BUDGET: u64 = 20_000 * 20_000;
-/// A polygon that does not cross itself and has no more corners costs next to nothing.
+/// A polygon with no more corners than this that does not cross itself is free.
 const FREE_CORNERS: u64 = 1000;
-/// A larger one takes this share of the time of one that crosses itself.
+/// A larger one takes one part in this many of the time of one that crosses itself.
 const SIMPLE_SHARE: u64 = 10;
 
 /// Cuts the polygons of a file into triangles; keeps its buffers, and what is left of the budget, between calls.
@@ -26,7 +26,7 @@ impl Cutter {
         Self { budget: EAR_BUDGET, over_budget: 0, earcut: Earcut::new(), flat: Vec::new(), cut: Vec::new() }
     }
 
-    /// What is said where polygons were cut as if they were convex because there was no time to do better.
+    /// Returns the warning about polygons that were cut as if they were convex because the budget was used up.
     pub(super) fn warning(&self) -> Option<String> {
         (self.over_budget > 0).then(|| {
             format!(
@@ -37,7 +37,7 @@ impl Cutter {
         })
     }
 
-    /// The triangles of a polygon of at least three corners, as places in it, turning as the polygon does.
+    /// Returns the triangles of a polygon of at least three corners, as places in it, turning as the polygon does.
     ///
     /// The polygon is seen along its mean normal (Newell). Corners on a straight edge are kept: every edge of the
     /// polygon is the edge of exactly one triangle, or the neighbour across it would see a hole.
@@ -72,7 +72,7 @@ impl Cutter {
         if complete { triangles } else { fan(count).collect() }
     }
 
-    /// Projects the polygon onto its best plane, scaled to about one; false where it has none.
+    /// Projects the polygon onto its best plane, scaled to a size of about one; false if it has no such plane.
     fn flatten(&mut self, corners: &[DVec3]) -> bool {
         let first = corners[0];
         let size = corners.iter().map(|&corner| (corner - first).abs().max_element()).fold(0.0, f64::max);
@@ -90,14 +90,14 @@ impl Cutter {
     }
 }
 
-/// Triangles that share the first of so many corners.
+/// Triangles that share the first of `count` corners.
 fn fan(count: u32) -> impl Iterator<Item = [u32; 3]> {
     (1..count.saturating_sub(1)).map(|second| [0, second, second + 1])
 }
 
-/// Ear clipping leaves out corners on straight edges: there an edge a→b of the triangles stands for a chain
-/// a→a+1→…→b of the polygon. Fills the gap between the two with triangles (of no area, if the chain is straight).
-/// Says whether the triangles are those of the whole polygon now; where ears failed, the gaps would be more than it has.
+/// Ear clipping leaves out corners on straight edges: there an edge a→b of the triangles stands for a chain a→a+1→…→b of the
+/// polygon. Fills the gap between the two with triangles (of no area, if the chain is straight). Returns whether the
+/// triangles now cover the whole polygon; if ear clipping failed, the gaps would take too many.
 fn restore_skipped_corners(triangles: &mut Vec<[u32; 3]>, count: u32) -> bool {
     let whole = count as usize - 2;
     if triangles.len() == whole {

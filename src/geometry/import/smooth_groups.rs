@@ -1,4 +1,4 @@
-//! Numbers for what the corners of a file are smooth with.
+//! Numbers the groups of corners of a file that are smooth with each other.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroU32;
@@ -8,13 +8,13 @@ use crate::geometry::shading::SmoothGroup;
 /// What makes corners smooth with each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Reason {
-    /// One normal, by its bits: who exports a smooth edge writes the same on both of its sides.
+    /// One normal, by its bits: exporters write the same normal on both sides of a smooth edge.
     Normal([u64; 3]),
     /// The number of an OBJ file's smoothing group.
     Number(u64),
 }
 
-/// The groups that were met, and how many there are.
+/// The groups so far, and their number.
 #[derive(Debug, Default)]
 pub(super) struct SmoothGroups {
     known: BTreeMap<Reason, NonZeroU32>,
@@ -22,7 +22,7 @@ pub(super) struct SmoothGroups {
 }
 
 impl SmoothGroups {
-    /// Of corners with this normal; one that points nowhere says nothing.
+    /// Returns the group of corners with this normal; none if it has no direction.
     pub(super) fn of_normal(&mut self, normal: [f64; 3]) -> SmoothGroup {
         let length_squared: f64 = normal.iter().map(|part| part * part).sum();
         let is_normal = length_squared.is_normal();
@@ -31,12 +31,12 @@ impl SmoothGroups {
         if is_normal { self.of(Reason::Normal(bits)) } else { None }
     }
 
-    /// Of corners with this number.
+    /// Returns the group of corners with this number.
     pub(super) fn of_number(&mut self, number: u64) -> SmoothGroup {
         self.of(Reason::Number(number))
     }
 
-    /// A new one, of the corners of a face that is flat.
+    /// Returns a new group, for the corners of a flat face.
     pub(super) fn alone(&mut self) -> SmoothGroup {
         self.count = self.count.checked_add(1)?;
         NonZeroU32::new(self.count)

@@ -1,8 +1,8 @@
 //! STL files, binary and text: triangles without shared vertices, in any units, often with z up.
 //!
-//! Each corner is written as often as triangles meet there, with the same digits, so that corners at exactly the same
-//! place are made one vertex. Normals and the two free bytes of a triangle are not read: a triangle has its own
-//! normal by the order of its corners, and many programs write `nan` or zeros.
+//! Each corner is written as often as triangles meet there, with the same digits, so corners at exactly the same place
+//! become one vertex. Normals and the two free bytes of a triangle are not read: a triangle has its own normal by the order
+//! of its corners, and many programs write `nan` or zeros.
 
 use glam::DVec3;
 
@@ -17,8 +17,8 @@ const HEADER: usize = 84;
 /// A triangle of a binary file: its normal and three corners of three numbers of four bytes, and two free bytes.
 const RECORD: usize = 50;
 
-/// Whether the bytes are exactly as many as a binary file of so many triangles has. A text cannot be: four letters at
-/// the place of the number would ask for gigabytes.
+/// Whether the length is exactly that of a binary file with the number of triangles in its header. No text has it: four
+/// letters in place of that number would mean gigabytes.
 pub(super) fn is_binary_stl(bytes: &[u8]) -> bool {
     claimed(bytes).is_some_and(|count| bytes.len() as u64 == needed(count))
 }
@@ -91,7 +91,7 @@ impl From<Problem> for Stop {
     }
 }
 
-/// Hands on the corners of all facets, three for each, and how many bytes are left.
+/// Passes on the corners of all facets, three for each, and the number of bytes that are left.
 fn read_solids(
     words: &mut Words<'_>,
     take: &mut dyn FnMut(DVec3, usize) -> Result<(), ImportError>,
@@ -148,25 +148,25 @@ impl<'a> Words<'a> {
         (!word.is_empty()).then_some(word)
     }
 
-    /// The next word, which must be there.
+    /// Returns the next word, which must be there.
     fn need(&mut self, what: &'static str) -> Result<&'a [u8], Problem> {
         self.next().ok_or(Problem::Ends(what))
     }
 
-    /// The next word, which must be this one.
+    /// Reads the next word, which must be `keyword`.
     fn expect(&mut self, keyword: &str, needed: &'static str) -> Result<(), Problem> {
         let word = self.need(needed)?;
         if is(word, keyword) { Ok(()) } else { Err(Problem::Unexpected { found: quote(word), needed }) }
     }
 
-    /// Leaves out what is left of the line: the name of a solid is free.
+    /// Skips the rest of the line: the name of a solid is free.
     fn skip_line(&mut self) {
         let end = self.rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(self.rest.len());
         self.rest = &self.rest[end..];
     }
 }
 
-/// How many lines end within white space; a `\r` before a `\n` ends none by itself.
+/// Counts the lines that end within white space; a `\r` before a `\n` ends no line of its own.
 fn line_ends(space: &[u8], after: Option<&u8>) -> usize {
     let next = space.iter().skip(1).chain(after);
     let lone = |(&byte, next): (&u8, &u8)| byte == b'\r' && *next != b'\n';
@@ -192,10 +192,10 @@ impl<'a> Corners<'a> {
         Ok(())
     }
 
-    /// The mesh with one vertex at each place, numbered in the order in which they come.
+    /// Returns the mesh with one vertex at each place, numbered in the order of the corners.
     fn finish(self, warning: Option<String>) -> Result<Imported, ImportError> {
         let corners = TriMesh { positions: self.places, triangles: Vec::new() };
-        // The first corner at the same place is never after its corner.
+        // The first corner at a place never comes after the others there.
         let first_there = corners.weld();
         if self.file.watch.cancelled() {
             return Err(self.file.cancelled());
@@ -278,7 +278,7 @@ mod tests {
         }
         for ends in ["\n", "\r\n", "\r", " "] {
             let one = text(&wanted).replace("a name\n", "\n").replace('\n', ends);
-            // A name would take the line, and so the rest of a file of one line.
+            // The name of a solid takes its line, and so the rest of a file of one line.
             let one =
                 if ends == " " { one.replace("solid  ", "solid\n").replace("endsolid ", "endsolid\n") } else { one };
             assert_eq!(mesh(one.as_bytes()), wanted, "{ends:?}");

@@ -1,4 +1,4 @@
-//! Which format a file is read in, and what is said of files that are in none.
+//! The format in which a file is read, and the refusal of files in no format.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub(super) fn tetrahedron() -> TriMesh {
     parse_obj(TETRAHEDRON.as_bytes(), "t.obj").expect("a good file").mesh
 }
 
-/// What is said of bytes that are no good model.
+/// The refusal of bytes that are no good model.
 pub(super) fn refusal(bytes: &[u8], name: &str) -> String {
     parse(bytes, name).expect_err("a bad file").to_string()
 }
@@ -75,7 +75,7 @@ fn every_format_has_an_ending_that_the_window_lists() {
     assert!(ENDINGS.iter().all(|ending| Path::new("m").with_extension(ending).extension().is_some()), "no dots");
 }
 
-/// The colours of the four vertices of a model as corners of its first triangle, and what is said of it.
+/// The colours of the four vertices of a model as corners of its first triangle.
 fn tints(imported: &Imported) -> [[u8; 4]; 4] {
     [0, 1, 2, 3].map(|vertex| imported.paint.as_ref().map_or([0; 4], |paint| paint.tint(0, vertex)))
 }

@@ -1,5 +1,5 @@
-//! How far it is at least to a surface, from a coarse grid of distances with a finer one near the surface: most points are
-//! so far away that nothing need be searched for.
+//! A lower bound of the distance to a surface, from a coarse grid of distances with a finer one near the surface. Most
+//! points are so far away that no search is needed.
 
 use glam::{DVec3, UVec3};
 
@@ -7,7 +7,7 @@ use glam::{DVec3, UVec3};
 const COARSE: f64 = 16.0;
 /// Cells along an edge of a coarse cell near the surface.
 const FINE: u32 = 4;
-/// What rounding may take from a distance kept in single precision, over the size of the surface.
+/// The largest rounding error of a distance kept in single precision, over the size of the surface.
 const ROUNDING: f64 = 1e-6;
 
 /// The grid.
@@ -16,7 +16,7 @@ pub(super) struct Field {
     origin: DVec3,
     cell: f64,
     dims: UVec3,
-    /// The distance from the middle of every cell, negative inside, and where its finer cells begin.
+    /// The distance from the middle of every cell, negative inside, and the index of its first finer cell.
     coarse: Vec<(f32, u32)>,
     /// The distance from the middle of every finer cell, and the triangle that is nearest to it.
     fine: Vec<(f32, u32)>,
@@ -39,7 +39,8 @@ pub(super) enum Bound {
 }
 
 impl Field {
-    /// Of a surface in a box `±extent` about the origin that has this signed `distance`, and this triangle nearest to a point.
+    /// Builds the grid of a surface in a box `±extent` about the origin. `distance` gives the signed distance of a point and
+    /// the triangle nearest to it.
     #[expect(clippy::cast_possible_truncation, reason = "a few dozen cells, and what is lost is allowed for")]
     pub(super) fn new(extent: DVec3, distance: impl Fn(DVec3) -> (f64, u32)) -> Self {
         let cell = 2.0 * extent.max_element() / COARSE;
@@ -95,7 +96,7 @@ impl Field {
         Self::told(f64::from(middle), (from_middle * self.cell).length(), triangle)
     }
 
-    /// From the distance at a place so far away.
+    /// Returns the bound of a point from the `distance` of a place that is `away` from it.
     fn told(distance: f64, away: f64, triangle: u32) -> Bound {
         let least = distance.abs() - away - ROUNDING;
         if least <= 0.0 {

@@ -6,7 +6,7 @@ use super::Surface;
 use super::orient::BYTES_A_TRIANGLE;
 
 impl Surface {
-    /// The bytes that it takes.
+    /// The bytes that a surface takes.
     pub fn bytes(&self) -> u64 {
         let Self { positions, triangles, neighbours, normals, corner_normals, on_rim, tree, field, .. } = self;
         let vectors = positions.capacity() + normals.capacity() + corner_normals.capacity();
@@ -15,8 +15,8 @@ impl Surface {
         (own + tree.bytes() + field.bytes()) as u64
     }
 
-    /// The most bytes that were taken beside it while it was made: its mesh, the corners of the triangles by themselves, and
-    /// their edges.
+    /// The most bytes taken besides the surface while it was made: its mesh, a copy of the triangles' corners, and their
+    /// edges.
     pub fn bytes_while_made(&self) -> u64 {
         let mesh = self.positions.len() * size_of::<DVec3>() + self.triangles.len() * size_of::<[u32; 3]>();
         let triangle = size_of::<[DVec3; 3]>() + BYTES_A_TRIANGLE;

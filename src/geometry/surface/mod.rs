@@ -1,4 +1,4 @@
-//! A mesh as something that stops things: how far a point is from it and on which side, and where a line goes through it.
+//! A mesh as a surface that stops things: how far a point is from it and on which side, and where a line crosses it.
 //!
 //! ```text
 //! mesh ─► vertices at one place made one, triangles turned alike ─► a tree of boxes over them
@@ -10,8 +10,8 @@
 //! there (Bærentzen and Aanæs, *Signed distance computation using the angle weighted pseudonormal*, 2005). Any other mesh
 //! has two sides and no inside.
 //!
-//! Everything is in double precision and follows from the mesh alone. Lengths are over the mesh's own: its longest extent is
-//! 1, and the middle of its box is the origin.
+//! Everything is in double precision and follows from the mesh alone. Lengths are scaled so that the mesh's longest extent
+//! is 1; the middle of its bounding box is the origin.
 
 mod field;
 mod memory;
@@ -34,10 +34,10 @@ use triangle::Feature;
 /// The most triangles of a surface: it takes half a gigabyte then.
 pub const MAX_TRIANGLES: usize = 2_000_000;
 
-/// Triangles looked at to find how thick a surface is.
+/// About how many triangles are probed for the thickness of a surface.
 const PROBES: usize = 2000;
 
-/// The share of a closed surface that may be thinner than it is said to be: its sharp edges.
+/// The share of a closed surface that may be thinner than its stated thickness: its sharp edges.
 const THINNER: f64 = 0.05;
 
 /// Why a mesh is no surface.
@@ -54,7 +54,7 @@ pub enum SurfaceError {
     },
 }
 
-/// A mesh as something that stops things.
+/// A mesh as a surface that stops things.
 #[derive(Clone, Debug)]
 pub struct Surface {
     positions: Vec<DVec3>,
@@ -102,7 +102,7 @@ pub struct Pierced {
 /// The point of a triangle nearest to another.
 #[derive(Clone, Copy, Debug)]
 struct OfTriangle {
-    /// The square of how far it is.
+    /// The square of its distance.
     squared: f64,
     triangle: usize,
     point: DVec3,
@@ -113,12 +113,12 @@ struct OfTriangle {
 #[derive(Clone, Copy, Debug)]
 struct Closest {
     best: OfTriangle,
-    /// No other is nearer than this.
+    /// No other triangle is nearer than this.
     next: f64,
 }
 
 impl Surface {
-    /// The surface of a mesh.
+    /// Builds the surface of a mesh.
     ///
     /// # Errors
     /// If it has no triangle with an area, or too many.
@@ -172,12 +172,12 @@ impl Surface {
         self.own_length
     }
 
-    /// Half the box around it; the longest is 1/2.
+    /// Half the extents of its bounding box; the longest is 1/2.
     pub fn half_extents(&self) -> DVec3 {
         self.half_extents
     }
 
-    /// How far it is to the middle of what is thinnest but for sharp edges; infinite where it has no inside.
+    /// Half the thickness at the thinnest place, not counting sharp edges; infinite if it has no inside.
     pub fn half_thickness(&self) -> f64 {
         self.half_thickness
     }
@@ -192,8 +192,8 @@ impl Surface {
         &self.triangles
     }
 
-    /// The triangle beyond every edge of a triangle, the first one from its first corner to the second; none is a number
-    /// that no triangle has.
+    /// The triangle beyond every edge of a triangle; the first edge runs from its first corner to the second. If there is
+    /// none, it is a number that no triangle has.
     pub fn neighbours(&self) -> &[[u32; 3]] {
         &self.neighbours
     }
@@ -203,12 +203,12 @@ impl Surface {
         &self.normals
     }
 
-    /// Whether a point is known to be outside and farther away than this, without a search.
+    /// Whether a point is known to be outside and farther away than `reach`, without a search.
     pub fn is_beyond(&self, at: DVec3, reach: f64) -> bool {
         matches!(self.field.bound(at), Bound::Outside(least) if least > reach)
     }
 
-    /// How far a point that is outside is away at least, without a search; nothing where it may be inside.
+    /// A lower bound of the distance of a point outside, without a search; 0 if it may be inside or near the surface.
     pub fn least_distance(&self, at: DVec3) -> f64 {
         if let Bound::Outside(least) = self.field.bound(at) { least } else { 0.0 }
     }
@@ -222,17 +222,17 @@ impl Surface {
         self.search(at, most)
     }
 
-    /// The same, found sooner where a triangle is known that is near; it may be any. Tells too how far the point may go until
-    /// another triangle may be the nearest, looked for as far as `way`; nothing where more than one is.
+    /// Finds the nearest point sooner if `triangle` is near; it may be any. Also returns how far the point may move, up to
+    /// `way`, until another triangle may be the nearest; 0 if several are.
     pub fn nearest_beside(&self, at: DVec3, triangle: u32, way: f64) -> (NearestPoint, f64) {
         let known = if (triangle as usize) < self.triangles.len() { triangle } else { 0 };
         let Closest { best, next } = self.closest(at, self.distance_to(known, at), 2.0 * way);
-        // It comes nearer to one by no more than it goes, and farther from the other.
+        // A move brings the point nearer to the next triangle by at most its length, and as much farther from the nearest.
         let alone = 0.5 * (next - best.squared.sqrt()) - SLACK;
         (self.told(best), alone.min(way).max(0.0))
     }
 
-    /// The same where it is known which triangle is the nearest.
+    /// Returns the nearest point if `triangle` is known to be the nearest triangle.
     pub fn nearest_of(&self, at: DVec3, triangle: u32) -> NearestPoint {
         self.told(self.of_triangle(triangle as usize, at))
     }
@@ -247,8 +247,8 @@ impl Surface {
             }
     }
 
-    /// Where the line `from + t way`, t from 0 to 1, first goes through the surface; through the faces that it meets from
-    /// outside alone where these are the ones that are asked for.
+    /// Finds where the line `from + t way`, t from 0 to 1, first crosses the surface; with `from_outside`, only faces that
+    /// it meets from outside count.
     pub fn pierced(&self, from: DVec3, way: DVec3, from_outside: bool) -> Option<Pierced> {
         let over = DVec3::ONE / way;
         let entry = |bounds: &Aabb<f64>| {
@@ -292,13 +292,13 @@ impl Surface {
         triangle::nearest(self.corners(triangle as usize), at).0.distance(at)
     }
 
-    /// The nearest point, which is known to be no farther than `most`.
+    /// Finds the nearest point, which is known to be no farther than `most`.
     fn search(&self, at: DVec3, most: f64) -> NearestPoint {
         self.told(self.closest(at, most, 0.0).best)
     }
 
-    /// The nearest triangle, which is known to be no farther than `most`, and how far the next is, if it is no farther than
-    /// the nearest by more than `beyond`.
+    /// Finds the nearest triangle, which is known to be no farther than `most`, and the distance of the next one, at most
+    /// `beyond` more than that of the nearest.
     fn closest(&self, at: DVec3, most: f64, beyond: f64) -> Closest {
         let entry = |bounds: &Aabb<f64>| {
             let off = (bounds.min - at).max(at - bounds.max).max(DVec3::ZERO);
@@ -375,7 +375,7 @@ impl Surface {
         }
     }
 
-    /// How far it is through a closed surface where it is thinnest, but for its sharp edges.
+    /// Returns the thickness of a closed surface at its thinnest place, not counting sharp edges.
     fn thickness(&self) -> f64 {
         let step = self.triangles.len().div_ceil(PROBES);
         let probe = |triangle: usize| {
@@ -383,7 +383,7 @@ impl Surface {
             let area = (b - a).cross(c - a).length();
             let (from, way) = ((a + b + c) / 3.0, self.normals[triangle] * -2.0);
             let from = from + way * 1e-9;
-            // What is met from within faces the other way.
+            // A face met from within faces the other way, so all faces count.
             let through = self.pierced(from, way, false).map_or(1.0, |found| found.t * 2.0);
             (through, area)
         };
@@ -398,17 +398,17 @@ impl Surface {
     }
 }
 
-/// How much larger boxes are for a line, over the size of the surface: it must not slip between triangles.
+/// How much boxes are enlarged for a line, over the size of the surface: it must not slip between triangles.
 const SLACK: f64 = 1e-9;
 
 impl NearestPoint {
-    /// Whether a point with this one nearest to it is inside a closed surface.
+    /// Whether a point to which this one is the nearest is inside a closed surface.
     pub fn is_within(&self, at: DVec3) -> bool {
         (at - self.point).dot(self.normal) < 0.0
     }
 }
 
-/// The triangles of a mesh over the first vertex at each place: those with an area, and each once, whichever way it faces.
+/// Returns the triangles over the first vertex at each place: those with an area, each once, whichever way it faces.
 fn welded(mesh: &TriMesh, positions: &[DVec3]) -> Vec<[u32; 3]> {
     let weld = mesh.weld();
     let triangles = mesh.triangles.iter().map(|triangle| triangle.map(|vertex| weld[vertex as usize]));

@@ -1,4 +1,4 @@
-//! Which triangles of a mesh share an edge, and turning them so that neighbours face the same way and closed pieces
+//! Finds the triangles of a mesh that share an edge, and turns them so that neighbours face the same way and closed pieces
 //! outwards.
 
 use glam::DVec3;
@@ -6,8 +6,8 @@ use glam::DVec3;
 /// No triangle.
 pub(in crate::geometry) const NONE: u32 = u32::MAX;
 
-/// What it takes to orient a triangle, beside itself and its neighbours: its edges, the piece that it is of and whether it is
-/// turned, bytes.
+/// The bytes that orienting takes for a triangle, besides itself and its neighbours: its edges, its piece and whether it is
+/// turned.
 pub(super) const BYTES_A_TRIANGLE: usize = 3 * size_of::<Edge>() + size_of::<u32>() + size_of::<bool>();
 
 /// Triangles over welded vertices, and the neighbour beyond every edge: edge e runs from corner e to the next one.
@@ -61,7 +61,7 @@ struct Edge {
     side: u8,
 }
 
-/// The triangle beyond every edge of triangles over welded vertices, if it is one: edge e runs from corner e to the next.
+/// Returns the triangle beyond every edge, if it is one; vertices are welded, and edge e runs from corner e to the next.
 pub(in crate::geometry) fn neighbours(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut edges = edges(triangles);
     edges.sort_unstable();
@@ -86,19 +86,19 @@ fn edges(triangles: &[[u32; 3]]) -> Vec<Edge> {
     (0..).zip(triangles).flat_map(of).collect()
 }
 
-/// The pieces of a mesh, which no edge joins, and the triangles that have to be turned to face as the first of their piece
+/// The pieces of a mesh that are connected by edges, and the triangles to turn so that they face as the first of their piece
 /// does.
 pub(in crate::geometry) struct Turns {
     pub(in crate::geometry) turned: Vec<bool>,
-    /// Of every triangle.
+    /// The piece of every triangle.
     pub(in crate::geometry) piece: Vec<u32>,
     /// Which pieces have two sides.
     pub(in crate::geometry) is_orientable: Vec<bool>,
-    /// In which pieces nothing had to be turned.
+    /// Which pieces needed no turning.
     is_consistent: Vec<bool>,
 }
 
-/// Triangles over welded vertices, and the neighbours beyond their edges.
+/// Finds the pieces and turns of triangles over welded vertices, given the neighbours beyond their edges.
 pub(in crate::geometry) fn turns(triangles: &[[u32; 3]], neighbours: &[[u32; 3]]) -> Turns {
     let count = triangles.len();
     let mut found =
@@ -120,7 +120,7 @@ pub(in crate::geometry) fn turns(triangles: &[[u32; 3]], neighbours: &[[u32; 3]]
                 if other >= count {
                     continue;
                 }
-                // Two that face the same way run along their common edge in opposite directions.
+                // Two triangles that face the same way run along their common edge in opposite directions.
                 let [from, to] = [triangles[here][edge], triangles[here][(edge + 1) % 3]];
                 let same = (0..3).any(|e| [triangles[other][e], triangles[other][(e + 1) % 3]] == [from, to]);
                 let turned = found.turned[here] ^ same;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::*;
 use crate::geometry::trimesh::tests::boxed;
 
-/// A ball of radius 1 with so many rings.
+/// A ball of radius 1 with this many rings.
 fn ball(rings: u32) -> TriMesh {
     let mut mesh = TriMesh::default();
     for ring in 0..=rings {

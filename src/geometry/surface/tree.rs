@@ -9,7 +9,7 @@ use crate::math::Aabb;
 /// Triangles in a leaf.
 const LEAF: usize = 4;
 
-/// The deepest way down: every level halves the number of triangles.
+/// The deepest level: every level halves the number of triangles.
 const DEEPEST: usize = 48;
 
 /// A tree over triangles that are in the order of its leaves. The first child of a node comes right after it.
@@ -29,7 +29,7 @@ struct Node {
 }
 
 impl Tree {
-    /// Puts triangles, given by their corners, in an order and builds the tree over it.
+    /// Orders triangles, given by their corners, and builds the tree over that order.
     pub(super) fn new(corners: &[[DVec3; 3]]) -> (Self, Vec<u32>) {
         let mut order: Vec<u32> = (0..).take(corners.len()).collect();
         let mut tree = Self::default();
@@ -64,8 +64,8 @@ impl Tree {
         self.nodes.capacity() * size_of::<Node>()
     }
 
-    /// Shows `visit` the triangles of leaves, those of nearer boxes first as `entry` has it; boxes without an entry, or one
-    /// beyond what `visit` last returned, are left out. That begins with `most`.
+    /// Calls `visit` with the triangles of leaves, nearer boxes first. `entry` gives the distance of a box; boxes without
+    /// one, or beyond the limit, are skipped. The limit is `most` at first, then what `visit` last returned.
     pub(super) fn walk(
         &self,
         mut most: f64,

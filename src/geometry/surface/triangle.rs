@@ -1,17 +1,17 @@
-//! One triangle: its point nearest to another, and where a line goes through it.
+//! Queries of one triangle: its point nearest to another, and where a line crosses it.
 
 use glam::DVec3;
 
-/// What of a triangle is nearest to a point.
+/// The feature of a triangle that is nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Feature {
     Face,
-    /// From the corner of that number to the next.
+    /// The edge from the corner of this number to the next.
     Edge(usize),
     Corner(usize),
 }
 
-/// How far beyond its edges, over its size, a line still goes through a triangle: no line slips through between two.
+/// How far beyond its edges a line still crosses a triangle, over its size: no line slips between two triangles.
 const SEAM: f64 = 1e-9;
 
 /// The point of a triangle nearest to `at` (Ericson, *Real-Time Collision Detection*, 5.1.5).
@@ -47,7 +47,7 @@ pub(super) fn nearest([a, b, c]: [DVec3; 3], at: DVec3) -> (DVec3, Feature) {
     (a + ab * (vb * over) + ac * (vc * over), Feature::Face)
 }
 
-/// The t at which the line `from + t way` goes through a triangle (Möller and Trumbore); none where they are parallel.
+/// The t at which the line `from + t way` crosses a triangle (Möller and Trumbore); none if it misses or is parallel.
 pub(super) fn crossing([a, b, c]: [DVec3; 3], from: DVec3, way: DVec3) -> Option<f64> {
     let (ab, ac) = (b - a, c - a);
     let p = way.cross(ac);

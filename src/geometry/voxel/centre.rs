@@ -12,7 +12,7 @@ use crate::geometry::watch::Pieces;
 pub(super) struct Parity {
     /// The cells whose centre is inside.
     pub(super) cells: Cells,
-    /// The cells that closed surfaces wind around more than once, an even number of times: parity leaves them empty.
+    /// The number of cells with an even winding number other than zero: parity leaves them empty.
     pub(super) overlaps: usize,
 }
 
@@ -86,7 +86,7 @@ mod tests {
                 TriMesh { positions, triangles }
             };
             let wall = |x: f64| cut.map(|corner| DVec3::new(x, corner.y, corner.z));
-            // A far needle keeps the grid of both the same.
+            // Degenerate triangles at corners of the box keep the grid of both the same.
             let frame = |mesh: TriMesh| {
                 let bounds = boxed(DVec3::ZERO, DVec3::splat(8.0));
                 let corners = TriMesh { triangles: vec![[0, 0, 0], [14, 14, 14], [23, 23, 23]], ..bounds };

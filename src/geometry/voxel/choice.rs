@@ -1,4 +1,4 @@
-//! The choice between the ways to fill a mesh, and why: what the mesh is like decides (J3).
+//! Chooses the occupancy (the way to fill a mesh with cells) by what the mesh is like, and says why (J3).
 
 use super::centre::{self, Parity};
 use super::components::Components;
@@ -10,11 +10,11 @@ use crate::geometry::trimesh::MeshFacts;
 use crate::geometry::watch::Pieces;
 use crate::geometry::{TriMesh, Watch};
 
-/// The share of a body, in percent of its solid cells, that centre occupancy may leave far from any filled cell before
-/// the automatic choice leaves it: legs and horns go before the tip of a tail does.
+/// The share of the solid cells, in percent, that may lie far from every cell of centre occupancy; if more do, the automatic
+/// choice is solid. Lost legs and horns exceed it, the lost tip of a tail does not.
 const FAR_PERCENT: f64 = 2.0;
 
-/// Cells before any are dropped, and how they came about.
+/// The filled cells before any component is dropped, and how they were chosen.
 pub(super) struct Filled {
     pub(super) cells: Cells,
     /// Never `Auto`.
@@ -23,7 +23,7 @@ pub(super) struct Filled {
     pub(super) warnings: Vec<String>,
 }
 
-/// Fills the cells that were asked for, or chooses.
+/// Fills a mesh with the requested occupancy, or chooses one.
 pub(super) fn fill(
     mesh: &TriMesh,
     quantized: &QuantizedMesh,
@@ -33,7 +33,7 @@ pub(super) fn fill(
 ) -> Result<Filled, VoxelizeError> {
     let chunks = quantized.triangles.len().div_ceil(shell::CHUNK);
     let shell = |from: f64| Shell::new(quantized, &Pieces::new(watch, chunks, [from, 0.9]));
-    // Air does not get in through holes larger than a cell, if they are small to the model.
+    // Holes that are small for the model are closed first, so that air does not get in even if they are larger than a cell.
     let tight = || {
         let patched = if facts.closed { None } else { Patched::of(mesh).filter(|patched| patched.holes > 0) };
         let Some(Patched { whole, .. }) = patched else { return Ok((shell(0.0)?.solid(), "")) };
@@ -86,7 +86,7 @@ pub(super) fn fill(
     }
 }
 
-/// Why the cells whose centres are inside would misrepresent a closed mesh, if they would.
+/// Returns why centre occupancy would misrepresent a closed mesh; none if it would not.
 fn centre_fails(quantized: &QuantizedMesh, facts: &MeshFacts, inside: &Parity, solid: &Cells) -> Option<String> {
     let components = Components::new(&inside.cells);
     if components.sizes.is_empty() {
@@ -112,7 +112,7 @@ fn centre_fails(quantized: &QuantizedMesh, facts: &MeshFacts, inside: &Parity, s
     }
 }
 
-/// Filled cells of `all` that share no particle with a filled cell of `some`.
+/// Counts the filled cells of `all` that share no particle with a filled cell of `some`.
 fn far_cells(some: &Cells, all: &Cells) -> usize {
     let is_far = |cell: &[u32; 3]| all.grid.around(*cell).all(|near| !some.is_filled(near));
     all.iter().filter(is_far).count()

@@ -1,15 +1,15 @@
-//! Which cells hang together: cells that share a particle (a face, an edge or a corner) are one component (S4).
+//! Connected components of cells: cells that share a particle (a face, an edge or a corner) are in one component (S4).
 //!
-//! Cells are taken in runs along x, of which there are far fewer: each is joined with those that it touches in the four
-//! rows before its own (a disjoint-set forest; Tarjan and van Leeuwen, "Worst-case analysis of set union algorithms",
-//! J. ACM 31(2), 1984, with path halving).
+//! Cells are grouped into runs along x, which are far fewer. Each run is joined with the runs that it touches in the four
+//! rows before its own (a disjoint-set forest; Tarjan and van Leeuwen, "Worst-case analysis of set union algorithms", J. ACM
+//! 31(2), 1984, with path halving).
 
 use super::{Cells, Keep};
 
 /// No component.
 const NONE: u32 = u32::MAX;
 
-/// The rows before a row, of those around it: steps in y and z.
+/// Steps in y and z from a row to the four of the eight rows around it that come before it.
 const BEFORE: [[isize; 2]; 4] = [[-1, 0], [-1, -1], [0, -1], [1, -1]];
 
 /// The component of every cell.
@@ -17,20 +17,20 @@ pub(super) struct Components {
     /// Rows along x in a layer.
     rows: usize,
     runs: Runs,
-    /// That of every run; [`NONE`] where its cells were emptied.
+    /// The component of every run; [`NONE`] if its cells were emptied.
     of_run: Vec<u32>,
-    /// Cells of every component, numbered in the order of their first cells.
+    /// The number of cells of every component; components are numbered in the order of their first cells.
     pub(super) sizes: Vec<usize>,
 }
 
-/// Filled cells beside each other in a row along x, by their places in it: from the first to before the end.
+/// Consecutive filled cells of a row along x: from place `first` to before `end`.
 #[derive(Clone, Copy)]
 struct Run {
     first: usize,
     end: usize,
 }
 
-/// Which runs hang together: each has one above it that comes before it, or is the first of its component.
+/// A disjoint-set forest of runs, as the parent of each: a run before it, or itself if it is the first of its component.
 struct Forest(Vec<usize>);
 
 impl Forest {
@@ -51,7 +51,7 @@ impl Forest {
 /// The runs of all rows, one row after another.
 struct Runs {
     runs: Vec<Run>,
-    /// The first run of each row, and past the last.
+    /// The first run of each row, and the end of the last.
     starts: Vec<usize>,
 }
 
@@ -121,14 +121,14 @@ impl Components {
         is_here.then(|| self.of_run[run]).filter(|label| *label != NONE)
     }
 
-    /// Adds a component without cells and says which it is.
+    /// Adds a component without cells and returns its number.
     fn add(&mut self) -> u32 {
         self.sizes.push(0);
         // There are fewer components than cells, and fewer cells than 2³².
         u32::try_from(self.sizes.len() - 1).unwrap_or(NONE - 1)
     }
 
-    /// Empties the cells that are not kept; says how many. Of equally large components the first is kept.
+    /// Empties the cells that are not kept and returns how many. Of equally large components the first is kept.
     pub(super) fn keep(&mut self, keep: Keep, cells: &mut Cells) -> usize {
         let Some(most) = self.sizes.iter().copied().max().filter(|_| keep == Keep::Largest) else { return 0 };
         let largest = self.sizes.iter().position(|&size| size == most);
@@ -155,7 +155,7 @@ mod tests {
     use crate::geometry::voxel::Grid;
     use crate::math::rng::Rng;
 
-    /// The same, cell by cell.
+    /// Labels cells and counts them by component, cell by cell.
     fn by_flooding(cells: &Cells) -> (Vec<u32>, Vec<usize>) {
         let grid = cells.grid;
         let (mut labels, mut sizes) = (vec![NONE; cells.filled.len()], Vec::new());

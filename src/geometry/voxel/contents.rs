@@ -1,15 +1,15 @@
-//! What is in every cell: near-uniform samples of a model's volume, or of its surface where it has no inside (J5, SC).
+//! Finds how full every cell is by near-uniform samples of a model's volume, or of its surface if it has no inside (J5, SC).
 //!
-//! The samples of the volume are the middles of a finer grid, a whole number of them along the edge of a cell. One is
-//! inside where at least four of six rays from it, both ways along each axis, find it so by the surfaces that they cross:
-//! within a closed mesh all six agree, and a hole misleads no more than those that leave through it. The samples of a surface are the middles of pieces of its
-//! triangles, none longer than half a cell, each with its piece's area; a sheet is taken to be [`SHEET_SHARE`] of the
+//! Volume samples are the centres of a finer grid, a whole number of them along the edge of a cell. A sample is inside if at
+//! least four of six rays from it, both ways along each axis, find it inside by the surfaces that they cross. Within a
+//! closed mesh all six agree; a hole misleads only the rays that leave through it. Surface samples are the centres of pieces
+//! of the triangles, none longer than half a cell, each with its piece's area. A sheet is taken to be [`SHEET_SHARE`] of the
 //! model's longest extent thick.
 //!
-//! Every sample falls into a cell. What falls into one that is not filled goes in equal parts to the filled cells that
-//! share a face with it, else an edge, else a corner. The volume of closed pieces, and of those with small holes, is known
-//! exactly (Gauss) if they face alike, and the samples only share it out; where pieces lie in each other they tell how much
-//! of it is in several.
+//! Every sample falls into a cell. The contents of an empty cell go in equal parts to the filled cells that share a face
+//! with it, else an edge, else a corner. The volume of closed pieces, and of those with small holes, is known exactly
+//! (Gauss) if their triangles face alike; the samples then only distribute it. If pieces overlap, the samples tell how much
+//! of the volume is in several of them.
 
 use std::collections::BTreeMap;
 
@@ -22,49 +22,49 @@ use super::{Cells, Grid, OccupancyChoice, VoxelizeError};
 use crate::geometry::places::Places;
 use crate::geometry::{TriMesh, Watch};
 
-/// How many samples the box of a model has at most, if its cells are no more.
+/// The most samples in a model's bounding box, unless it has more cells than that.
 const MOST_SAMPLES: f64 = 1.7e7;
 
-/// The thickness of a sheet over the model's longest extent.
+/// The thickness of a sheet, as a share of the model's longest extent.
 pub const SHEET_SHARE: f64 = 1.0 / 20.0;
 
-/// No cell is taken to be less full than this: links of nearly nothing would bear nothing, and particles would be thrown
-/// about by what they touch.
+/// Every filled cell counts as at least this full: links of almost no material would bear nothing, and particles of almost
+/// no mass would be thrown about by contacts.
 pub const LEAST_SHARE: f64 = 1.0 / 8.0;
 
-/// No cell is taken to be less full than this share of the mean, where all are nearly empty.
+/// If all cells are nearly empty, each counts as at least this share of their mean instead.
 const LEAST_OF_MEAN: f64 = 0.5;
 
-/// A person is told of cells that hold less than the least where there are more, in percent.
+/// The percentage of cells emptier than the least from which a warning is given.
 const MANY_RAISED: f64 = 25.0;
 
-/// An open mesh of whose inside the cells hold less is a sheet: the air gets in.
+/// An open mesh counts as a sheet if its cells hold less than this share of its inside: the air gets in.
 const LEAST_HELD: f64 = 0.8;
 
-/// Samples that miss the known volume by more are too few: the model is thinner than they are apart.
+/// If the samples miss the known volume by more than this share, they are too few: the model is thinner than their spacing.
 const MOST_OFF: f64 = 0.2;
 
-/// The samples of thin open pieces are as rough as this.
+/// The largest error of the samples of thin open pieces, as a share of the volume under flat lids.
 const MOST_OFF_OF_LIDS: f64 = 0.3;
 
 /// How full the cells of a model are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contents {
-    /// Of every filled cell, in the order of [`Grid::index`], what is in it over its volume; above 1 where it holds what
-    /// is beside it, and at least [`LEAST_SHARE`] but for sheets.
+    /// The volume in every filled cell over the cell's own, in the order of [`Grid::index`]. It is above 1 where the cell
+    /// also holds what is beside it, and at least [`LEAST_SHARE`] except for sheets.
     pub shares: Vec<f64>,
-    /// The samples are of the surface.
+    /// Whether the samples are of the surface.
     pub of_surface: bool,
     /// Samples inside the model or on it.
     pub samples: usize,
     /// Cells that were less full than the least.
     pub raised: usize,
-    /// The share of the samples' volume that is in no filled cell or beside one.
+    /// The share of the sampled volume that lies neither in a filled cell nor beside one.
     pub lost: f64,
 }
 
 impl Contents {
-    /// What a person should know, a sentence each.
+    /// Returns warnings for the user, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if self.of_surface {
@@ -88,30 +88,30 @@ impl Contents {
         warnings
     }
 
-    /// What is in all cells, in cells.
+    /// Returns the volume in all cells, in cells.
     pub fn volume_cells(&self) -> f64 {
         self.shares.iter().sum()
     }
 }
 
-/// What was sampled, by cells of the grid.
+/// Sampled volume by cell of the grid.
 struct Sampled {
-    /// What is in the cells that hold anything, in cells, in the order of [`Grid::index`].
+    /// The index of each cell with samples and the volume in it, in cells, in the order of [`Grid::index`].
     of_cell: Vec<(u32, f32)>,
     samples: usize,
-    /// What all of it is for certain, in cells.
+    /// The exact volume of all cells together, if known, in cells.
     known: Option<f64>,
 }
 
 impl Sampled {
-    /// What was found, in cells.
+    /// Returns the sampled volume of all cells together, in cells.
     fn all(&self) -> f64 {
         self.of_cell.iter().map(|(_, share)| f64::from(*share)).sum()
     }
 }
 
-/// Finds how full every cell of a mesh is; `report` is of its filling. The result does not depend on the number of
-/// threads.
+/// Finds how full every cell of a mesh is; `report` is the one of its voxelization. The result does not depend on the number
+/// of threads.
 pub(super) fn contents(
     mesh: &TriMesh,
     cells: &Cells,
@@ -143,7 +143,7 @@ pub(super) fn contents(
     Ok(share_out(&sampled, cells, false))
 }
 
-/// Samples the inside of a mesh that may have to be made whole to have one.
+/// Samples the inside of a mesh; its small holes are closed first if its volume is not known exactly without that.
 fn inside(mesh: &TriMesh, grid: &Grid, report: &VoxelReport, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
     let parity = report.occupancy == OccupancyChoice::Centre;
     let volume = |mesh: &TriMesh| volume(mesh, grid, parity, watch);
@@ -160,7 +160,7 @@ fn inside(mesh: &TriMesh, grid: &Grid, report: &VoxelReport, watch: &dyn Watch) 
     let Some(closed) = closed else {
         return Ok(all);
     };
-    // What open pieces add to the others is known by samples; if they find about what lids would enclose, by that.
+    // Open pieces add a volume known only by samples; if it is close to the volume under flat lids, that one is used.
     let part = volume(&closed)?;
     let found = (all.all() - part.all()).max(0.0);
     let lidded = lidded / grid.cell_size.powi(3);
@@ -169,7 +169,7 @@ fn inside(mesh: &TriMesh, grid: &Grid, report: &VoxelReport, watch: &dyn Watch) 
     Ok(Sampled { known, ..all })
 }
 
-/// Samples the inside. `parity` is as centre occupancy has it: what surfaces wind around an even number of times is out.
+/// Samples the inside. With `parity`, as in centre occupancy, a sample with an even winding number is outside.
 fn volume(mesh: &TriMesh, grid: &Grid, parity: bool, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 200")]
     let along = libm::cbrt(MOST_SAMPLES / grid.len() as f64).max(1.0) as u32;
@@ -177,7 +177,7 @@ fn volume(mesh: &TriMesh, grid: &Grid, parity: bool, watch: &dyn Watch) -> Resul
     let along = fine.dims[0] / grid.dims[0];
     let [nx, ny, nz] = fine.dims;
     let mut seen = Seen { parity, leaks: false, ways: [false; 2], wound: 0, inside: 0 };
-    // The rays along z stand side by side.
+    // A column for every ray along z.
     let mut columns = vec![Column::default(); nx as usize * ny as usize];
     let cell_of: Vec<usize> = (0..nx.max(ny)).map(|step| (step / along) as usize).collect();
     let mut votes = vec![0_u8; columns.len()];
@@ -206,7 +206,7 @@ fn volume(mesh: &TriMesh, grid: &Grid, parity: bool, watch: &dyn Watch) -> Resul
             }
         }
     }
-    // Where pieces lie in each other Gauss counts what is in both twice: the samples tell which share that is.
+    // Gauss counts the overlap of pieces twice; the samples tell the share of the volume that counts once.
     let Seen { leaks, ways, wound, inside, .. } = seen;
     let is_alike = !(leaks || ways == [true; 2]);
     let once = if wound > 0 { inside as f64 / wound as f64 } else { 1.0 };
@@ -214,7 +214,7 @@ fn volume(mesh: &TriMesh, grid: &Grid, parity: bool, watch: &dyn Watch) -> Resul
     Ok(Sampled { of_cell, samples, known })
 }
 
-/// How many of the ways along x and y find each sample of a layer inside.
+/// Counts, for each sample of a layer, the ways along x and y that find it inside.
 fn across(votes: &mut [u8], [along_x, along_y]: [&Crossings; 2], [nx, ny]: [u32; 2], k: u32, seen: &mut Seen) {
     for j in 0..ny {
         let row = &mut votes[(j * nx) as usize..][..nx as usize];
@@ -236,20 +236,20 @@ fn across(votes: &mut [u8], [along_x, along_y]: [&Crossings; 2], [nx, ny]: [u32;
     }
 }
 
-/// A ray along z, as far as its samples were looked at.
+/// A ray along z and how far it has been followed.
 #[derive(Clone, Copy, Default)]
 struct Column {
-    /// How many of its crossings are behind.
+    /// Crossings already passed.
     crossed: u32,
     winding: i16,
-    /// How many of the two ways along the ray find the samples inside, ...
+    /// How many of the two ways along the ray find the current samples inside.
     of_each: u8,
-    /// ... up to this one.
+    /// The first sample after the current ones.
     until: u32,
 }
 
 impl Column {
-    /// Goes on from where the last samples ended, of so many.
+    /// Follows the ray from the last samples to its next crossing, or to its end at `samples`.
     fn go_on(&mut self, ray: &[Crossing], samples: u32, seen: &mut Seen) {
         let from = self.until;
         while let Some(crossing) = ray.get(self.crossed as usize).filter(|crossing| u32::from(crossing.at) <= from) {
@@ -261,22 +261,22 @@ impl Column {
     }
 }
 
-/// What rays saw of the samples on them.
+/// What the rays found about all samples.
 struct Seen {
     parity: bool,
-    /// A ray crosses more surfaces inwards than outwards, or fewer.
+    /// Some ray crosses more surfaces inwards than outwards, or fewer.
     leaks: bool,
-    /// Surfaces wind around a sample the one way, and the other.
+    /// Surfaces wind around some sample one way, and around some sample the other way.
     ways: [bool; 2],
-    /// How often around all samples along all axes, ...
+    /// The winding numbers without signs, summed over all samples along all axes.
     wound: u64,
-    /// ... and how many of these are inside.
+    /// The samples inside, summed along all axes.
     inside: u64,
 }
 
 impl Seen {
-    /// Of so many samples on a ray that crosses so many more surfaces inwards than outwards, with this many of them before the
-    /// samples: how many of the two ways along the ray find them inside.
+    /// Records consecutive samples of a ray and returns how many of the two ways along the ray find them inside. `winding`
+    /// is the number of surfaces entered less those left before the samples, `total` the same along the whole ray.
     fn see(&mut self, winding: i16, total: i16, samples: u32) -> u8 {
         let is_odd = |winding: i16| winding % 2 != 0;
         self.leaks |= total != 0;
@@ -285,7 +285,7 @@ impl Seen {
             self.wound += u64::from(winding.unsigned_abs()) * u64::from(samples);
             self.inside += u64::from(!self.parity || is_odd(winding)) * u64::from(samples);
         }
-        // A ray that does not come out as it went in passes a hole, or what is oriented as it comes.
+        // If surfaces entered and left differ in number, the ray passes a hole or inconsistent triangles: parity decides.
         let is_in = |seen: i16| if self.parity || total != 0 { is_odd(seen) } else { seen != 0 };
         u8::from(is_in(winding)) + u8::from(is_in(winding.wrapping_sub(total)))
     }
@@ -295,7 +295,7 @@ fn total(ray: &[Crossing]) -> i16 {
     ray.iter().fold(0, |sum: i16, crossing| sum.wrapping_add(crossing.sign))
 }
 
-/// A place in the grid, of which there are fewer than 2³².
+/// Returns a grid index as `u32`; a grid has fewer than 2³² cells.
 fn number(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }
@@ -309,7 +309,7 @@ fn enclosed(mesh: &TriMesh, grid: &Grid) -> f64 {
     ((0..mesh.triangles.len()).map(six).sum::<f64>() / 6.0).abs()
 }
 
-/// Samples the surface, `thickness` cells thick.
+/// Samples the surface as a sheet that is `thickness` cells thick.
 fn surface(mesh: &TriMesh, grid: &Grid, thickness: f64, watch: &dyn Watch) -> Result<Sampled, VoxelizeError> {
     let mut of_cell: BTreeMap<u32, f32> = BTreeMap::new();
     let (mut samples, mut all) = (0, 0.0);
@@ -329,7 +329,7 @@ fn surface(mesh: &TriMesh, grid: &Grid, thickness: f64, watch: &dyn Watch) -> Re
     Ok(Sampled { of_cell: of_cell.into_iter().collect(), samples, known: Some(all) })
 }
 
-/// Gives filled cells what is in them and beside them, and none less than the least.
+/// Gives every filled cell the volume in it and beside it, and raises cells that are emptier than the least.
 fn share_out(sampled: &Sampled, cells: &Cells, of_surface: bool) -> Contents {
     let (all, Sampled { of_cell, samples, known }) = (sampled.all(), sampled);
     let grid = cells.grid;
@@ -356,7 +356,7 @@ fn share_out(sampled: &Sampled, cells: &Cells, of_surface: bool) -> Contents {
     if kept == 0.0 {
         shares.fill(1.0);
     } else if let Some(known) = known {
-        // What was dropped has its part of what is known.
+        // The lost samples keep their share of the known volume.
         let exact = known * (1.0 - lost / all) / kept;
         for share in &mut shares {
             *share *= exact;
@@ -366,7 +366,7 @@ fn share_out(sampled: &Sampled, cells: &Cells, of_surface: bool) -> Contents {
     Contents { shares, of_surface, samples: *samples, raised, lost: if all > 0.0 { lost / all } else { 0.0 } }
 }
 
-/// Raises shares that are less than the least, and lowers the others in proportion: the sum stays. How many were raised.
+/// Raises shares below the least and lowers the others in proportion: the sum stays. Returns how many were raised.
 fn raise(shares: &mut [f64]) -> usize {
     let all: f64 = shares.iter().sum();
     let least = LEAST_SHARE.min(LEAST_OF_MEAN * all / shares.len().max(1) as f64);

@@ -1,4 +1,4 @@
-//! Where rays along x through the middles of a grid's cells cross a mesh.
+//! Finds where rays along x through the centres of a grid's cells cross a mesh.
 //!
 //! Triangles are rasterised to the columns of cells. A centre that lies exactly on a triangle's edge, as seen along x, is
 //! moved by a vanishing amount, the same for every triangle (+y, and far less +z: Edelsbrunner and Mücke, "Simulation of
@@ -14,41 +14,41 @@ use super::{Grid, VoxelizeError};
 use crate::geometry::watch::{CancelOnly, Pieces};
 use crate::geometry::{TriMesh, Watch};
 
-/// Chunks of triangles whose crossings are found before those at the same place are made one.
+/// Chunks of triangles to take before crossings at the same place are merged.
 const CHUNKS_AT_ONCE: usize = 64;
 
 /// The most crossings of rays with the surface, along an axis.
 const MOST_CROSSINGS: f64 = 3e7;
 
-/// So many crossings are not worth it.
+/// Fewer crossings than this are not worth merging.
 const FEW: usize = 1 << 20;
 
-/// Surfaces that a ray crosses between two centres.
+/// The surfaces that a ray crosses between two neighbouring cell centres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Crossing {
     /// The ray.
     row: u32,
-    /// The first cell along the ray whose centre is not before them.
+    /// The first cell along the ray whose centre is not before the surfaces.
     pub(super) at: u16,
-    /// How many are entered less those left; it wraps, which keeps the parity.
+    /// Surfaces entered less surfaces left; it wraps, which keeps the parity.
     pub(super) sign: i16,
 }
 
 /// The crossings of all rays.
 #[derive(Debug)]
 pub(super) struct Crossings {
-    /// Rays along y and z.
+    /// The number of rays along y and z.
     rays: [u32; 2],
-    /// Where those of every ray begin, and the end of all.
+    /// Where the crossings of every ray begin, and the end of the last.
     starts: Vec<u32>,
-    /// By ray, and along it; each at another place.
+    /// Sorted by ray and then along it, at most one at each place.
     all: Vec<Crossing>,
 }
 
 impl Crossings {
-    /// Those of rays along x, y and z through cells that are `steps` times finer than a grid's, or less fine where the surface is
-    /// so large that the crossings would be too many, but `least` times; and how fine the cells are. The grid's axes are turned
-    /// so that the rays' is the first. Nobody is told how far the work is.
+    /// Finds the crossings of rays along x, y and z through cells `steps` times finer than a grid's, and returns the finer
+    /// grid too. If the surface is so large that there would be too many crossings, the cells are coarser, but still `least`
+    /// times finer. The axes of each direction are rotated so that the rays run along the first. Reports no progress.
     pub(super) fn along_axes(
         mesh: &TriMesh,
         grid: &Grid,
@@ -78,8 +78,8 @@ impl Crossings {
         Ok(([along(0)?, along(1)?, along(2)?], fine))
     }
 
-    /// Those of rays through a grid of so many cells; the triangles are in coordinates of the padded one. The result does not
-    /// depend on the number of threads.
+    /// Finds the crossings of rays along x through a grid of `dims` cells; the triangles are in coordinates of the padded
+    /// grid. The result does not depend on the number of threads.
     pub(super) fn new(triangles: &[[Point; 3]], dims: [u32; 3], pieces: &Pieces<'_>) -> Result<Self, VoxelizeError> {
         let rays = [dims[1], dims[2]];
         let (mut all, mut least) = (Vec::new(), 0);
@@ -90,7 +90,7 @@ impl Crossings {
                     let mut found = Vec::new();
                     for triangle in chunk {
                         cross_columns(triangle, |[i, j, k], sign| {
-                            // The grid is not padded.
+                            // From the padded grid to the grid itself.
                             let (at, row) = (u16::try_from(i - 1).unwrap_or(u16::MAX), j - 1 + rays[0] * (k - 1));
                             found.push(Crossing { row, at, sign });
                         });
@@ -117,14 +117,14 @@ impl Crossings {
         Ok(Self { rays, starts, all })
     }
 
-    /// Those of the ray through the centres of the cells (·, j, k).
+    /// Returns the crossings of the ray through the centres of the cells (·, j, k).
     pub(super) fn of_ray(&self, j: u32, k: u32) -> &[Crossing] {
         let row = (j + self.rays[0] * k) as usize;
         &self.all[self.starts[row] as usize..self.starts[row + 1] as usize]
     }
 }
 
-/// Puts crossings in order and makes those at the same place one.
+/// Sorts crossings and merges those at the same place.
 fn gather(all: &mut Vec<Crossing>) {
     all.par_sort_unstable();
     all.dedup_by(|next, kept| {
@@ -136,8 +136,8 @@ fn gather(all: &mut Vec<Crossing>) {
     });
 }
 
-/// The cells along a ray by the surfaces that wind around their centres: calls `found` with the first of them, the one after
-/// the last, and the winding number.
+/// Divides the cells along a ray into spans with one winding number of their centres. Calls `found` with the first cell of
+/// the span, the one after its last, and the winding number.
 pub(super) fn spans(of_ray: &[Crossing], cells: u32, mut found: impl FnMut(u32, u32, i16)) {
     let (mut from, mut winding) = (0, 0_i16);
     for crossing in of_ray {

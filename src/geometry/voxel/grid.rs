@@ -38,13 +38,13 @@ pub enum CellsError {
         /// Cells along x, y, z.
         dims: [u64; 3],
     },
-    /// The edge of a cell is no length.
+    /// The cell size is not a positive, finite length.
     #[error("the cell size is {0} m; it must be a positive, finite number")]
     CellSize(f64),
 }
 
 impl Grid {
-    /// The grid of some cells whose middle is the origin: body coordinates.
+    /// Returns the grid whose middle is the origin: body coordinates.
     pub fn centred(dims: [u32; 3], cell_size: f64) -> Self {
         let extent = DVec3::from_array(dims.map(f64::from)) * cell_size;
         Self { origin: extent * -0.5, cell_size, dims }
@@ -77,7 +77,7 @@ impl Grid {
         self.origin + self.cell_size * DVec3::new(f64::from(i), f64::from(j), f64::from(k))
     }
 
-    /// A cell of the box and those of the up to 26 around it that are in the box, in the order of [`Grid::index`].
+    /// Iterates over a cell and those of the up to 26 around it that are in the box, in the order of [`Grid::index`].
     pub fn around(&self, cell: [u32; 3]) -> impl Iterator<Item = [u32; 3]> + use<> {
         let reach = |axis: usize| cell[axis].saturating_sub(1)..=(cell[axis] + 1).min(self.dims[axis] - 1);
         let [x, y, z] = [reach(0), reach(1), reach(2)];
@@ -113,7 +113,7 @@ impl Cells {
         Ok(Self { grid, filled: (0..grid.len()).collect() })
     }
 
-    /// The cells of a list of grid coordinates (duplicates count once), each `cell_size` m; the origin is the middle
+    /// Returns the cells of a list of grid coordinates (duplicates count once), each `cell_size` m; the origin is the middle
     /// of the box around them.
     pub fn from_list(list: &[[i32; 3]], cell_size: f64) -> Result<Self, CellsError> {
         let first = list.first().ok_or(CellsError::Empty)?;
@@ -133,9 +133,9 @@ impl Cells {
         Ok(Self { grid, filled })
     }
 
-    /// These cells without some of them and with others beside them, by their coordinates in this grid. The box grows to hold
-    /// them; every cell that stays is where it was. And of each that is filled then, in their order, its place among those that were
-    /// before.
+    /// Returns these cells without the `erased` and with the `attached` ones, both in coordinates of this grid. The box
+    /// grows to hold them; every cell that stays keeps its position. Also returns, for each cell of the result in order, its
+    /// number among the filled cells before; none for a new one.
     pub fn changed(
         &self,
         erased: &[[i32; 3]],
@@ -194,7 +194,7 @@ impl Cells {
     }
 }
 
-/// The lowest coordinate along an axis of a grid that holds its own cells, from zero up, and these.
+/// Returns the lowest coordinate along an axis once the grid has grown to hold `attached`; its own cells start at zero.
 pub fn lowest(attached: &[[i32; 3]], axis: usize) -> i32 {
     attached.iter().map(|cell| cell[axis]).fold(0, i32::min)
 }

@@ -1,4 +1,4 @@
-//! Small holes of a mesh, closed: what the mesh encloses is then known as that of a closed one is (Gauss).
+//! Closes the small holes of a mesh: its enclosed volume is then known as for a closed mesh (Gauss).
 
 use glam::DVec3;
 
@@ -6,26 +6,26 @@ use crate::geometry::TriMesh;
 use crate::geometry::surface::{NONE, Turns, neighbours, turns};
 use crate::geometry::trimesh::DisjointSets;
 
-/// A hole is closed if it is at most this share of its piece's surface; a larger one is an opening, ...
+/// The largest hole that is closed, as a share of its piece's surface; a larger one is an opening.
 const LARGEST_HOLE: f64 = 0.05;
 
-/// ... and so are holes that come to more than this share.
+/// The most that all holes of a piece may cover, as a share of its surface; if they cover more, all are openings.
 const MOST_HOLES: f64 = 0.25;
 
-/// A mesh whose pieces face as most of their surface does, with their small holes closed.
+/// A mesh with its small holes closed; every piece faces as most of its surface does.
 #[derive(Debug)]
 pub(super) struct Patched {
     pub(super) whole: TriMesh,
-    /// The pieces that are closed now, where others are not.
+    /// Only the closed pieces, if other pieces stay open.
     pub(super) closed: Option<TriMesh>,
     /// How many holes were closed.
     pub(super) holes: usize,
-    /// What the other pieces would enclose with flat lids on their openings, in the mesh's units.
+    /// The volume that the open pieces would enclose with flat lids on their openings, in the mesh's units.
     pub(super) lidded: f64,
 }
 
 impl Patched {
-    /// None where no piece is closed, even so.
+    /// Closes the small holes of a mesh; none if no piece is closed then.
     pub(super) fn of(mesh: &TriMesh) -> Option<Self> {
         let weld = mesh.weld();
         let welded = mesh.triangles.iter().map(|corners| corners.map(|vertex| weld[vertex as usize]));
@@ -82,20 +82,20 @@ impl Patched {
     }
 }
 
-/// A mesh with its small holes closed; none where a piece of it stays open.
+/// Returns a mesh with its small holes closed; none if a piece of it stays open.
 pub fn patched(mesh: &TriMesh) -> Option<TriMesh> {
     let Patched { whole, closed, .. } = Patched::of(mesh)?;
     closed.is_none().then_some(whole)
 }
 
-/// An edge with a triangle on one side, which it runs around as the triangle does.
+/// An edge with a triangle on one side only, in that triangle's direction.
 struct RimEdge {
     piece: u32,
     from: u32,
     to: u32,
 }
 
-/// Triangles that close every hole, with their pieces: a fan about its middle, which is added to the positions.
+/// Returns triangles with their pieces that close every hole: a fan about its middle, which is added to the positions.
 fn caps(rim: &[RimEdge], positions: &mut Vec<DVec3>) -> Vec<(u32, [u32; 3])> {
     let mut holes = DisjointSets::new(rim.len());
     let of_edge = |(number, edge): (u32, &RimEdge)| [edge.from, edge.to].map(|vertex| (edge.piece, vertex, number));
@@ -111,7 +111,7 @@ fn caps(rim: &[RimEdge], positions: &mut Vec<DVec3>) -> Vec<(u32, [u32; 3])> {
     let mut caps = Vec::with_capacity(rim.len());
     for hole in edges.chunk_by(|a, b| a.0 == b.0) {
         let corner = |vertex: u32| positions[vertex as usize];
-        // Of all edges weighted by their lengths, so that it does not matter how finely they are divided.
+        // The mean of all edges weighted by their lengths, so that it does not matter how finely they are divided.
         let (sum, length) = hole.iter().fold((DVec3::ZERO, 0.0), |(sum, all), (_, edge)| {
             let [from, to] = [edge.from, edge.to].map(corner);
             let length = (to - from).length();
@@ -124,7 +124,7 @@ fn caps(rim: &[RimEdge], positions: &mut Vec<DVec3>) -> Vec<(u32, [u32; 3])> {
     caps
 }
 
-/// What so many closed pieces enclose together, whichever way they face.
+/// Returns the volume that closed pieces enclose together, whichever way each faces.
 fn enclosed<'a>(positions: &[DVec3], triangles: impl Iterator<Item = &'a (u32, [u32; 3])>, pieces: usize) -> f64 {
     let mut sixfold = vec![0.0_f64; pieces];
     for (piece, triangle) in triangles {
@@ -182,7 +182,7 @@ mod tests {
             TriMesh { triangles: kept.map(|at| ball.triangles[at]).collect(), ..ball.clone() }
         };
         let few = Patched::of(&without(10)).expect("a tenth is missing");
-        // At the poles several share a corner, and are closed as one that is not flat.
+        // At the poles several holes share a corner and are closed as one, which is not flat.
         assert!((volume(&few.whole) / exact - 1.0).abs() < 1e-5, "{} of {exact}", volume(&few.whole));
         assert!(few.holes > 50 && few.closed.is_none(), "each of its own: {}", few.holes);
         assert!(Patched::of(&without(3)).is_none(), "a third is missing");

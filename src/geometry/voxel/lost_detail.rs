@@ -1,9 +1,9 @@
-//! Where cells keep less than a model has (SC, limitations a and b): what is thinner than a cell, and what is nearer than a
-//! cell to something else, and so moves as one with it.
+//! Finds where cells lose detail of a model (SC, limitations a and b): parts thinner than a cell, and parts nearer than a
+//! cell to something else, which move as one with it.
 //!
-//! How thick the model is, and how wide a gap, is seen along the axis that the surface faces most: a ray through a piece of
-//! the surface leaves the inside, or the outside, on its other side, and that length times the normal's share along the axis
-//! is the thickness of what has parallel sides.
+//! Thickness and the width of a gap are measured along the axis that the surface faces most. A ray through a piece of the
+//! surface leaves the inside, or the outside, on its other side; the length of that span times the normal's component along
+//! the axis is the thickness of a body with parallel sides.
 
 use std::collections::BTreeMap;
 
@@ -19,36 +19,36 @@ use crate::geometry::{TriMesh, Watch};
 /// Steps of thickness in a cell, if the surface is not too large.
 const STEPS: u32 = 8;
 
-/// The surface is looked at in so many pieces, and more where its triangles are smaller.
+/// About the number of pieces of a surface: fewer if edges would be below half a cell, more if its triangles are small.
 const PIECES: f64 = 3e4;
 
-/// How far the surface that a ray crosses may be from the middle of its piece, steps.
+/// The largest distance between a crossing of a ray and the middle of the piece that it belongs to, steps.
 const NEAR: f64 = 2.0;
 
-/// What cells keep of a piece of the surface.
+/// What cells lose of a piece of the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Lost {
-    /// What is behind it is thinner than a cell, or nothing at all.
+    /// The model behind the piece is thinner than a cell, or there is none.
     pub thin: bool,
-    /// Another part of the model is in its cell, or something is in front of it nearer than a cell.
+    /// Another part of the model is in the piece's cell, or something in front of the piece is nearer than a cell.
     pub joined: bool,
 }
 
-/// What cells keep of a surface.
+/// What cells lose of a surface.
 #[derive(Clone, Debug)]
 pub struct LostDetail {
-    /// The surface in small pieces, in the coordinates of the model's.
+    /// The surface in small pieces, in the model's coordinates.
     pub pieces: TriMesh,
     /// What is lost in each.
     pub lost: Vec<Lost>,
-    /// The share of the surface behind which it is thin.
+    /// The share of the surface that is thin.
     pub thin_share: f64,
     /// The share that is joined.
     pub joined_share: f64,
 }
 
 impl LostDetail {
-    /// Looks at a mesh within a grid.
+    /// Finds the lost detail of a mesh within a grid.
     pub fn of(mesh: &TriMesh, grid: &Grid, watch: &dyn Watch) -> Result<Self, VoxelizeError> {
         let rays = Rays::new(mesh, grid, watch)?;
         let longest = (area(mesh, grid) / PIECES).sqrt().max(0.5);
@@ -92,7 +92,7 @@ fn cell_of(grid: &Grid, [a, b, c]: &[DVec3; 3]) -> usize {
     grid.index(std::array::from_fn(|axis| (middle[axis] as u32).min(grid.dims[axis] - 1)))
 }
 
-/// A mesh of triangles given in cells of the grid, that share corners at exactly equal places.
+/// Makes a mesh of triangles given in cells of the grid; corners at exactly equal places become one vertex.
 fn welded(corners: &[[DVec3; 3]], grid: &Grid) -> TriMesh {
     let positions = corners.as_flattened().iter().map(|corner| grid.origin + *corner * grid.cell_size);
     let numbers = (0..).step_by(3).take(corners.len());
@@ -112,7 +112,7 @@ fn welded(corners: &[[DVec3; 3]], grid: &Grid) -> TriMesh {
     TriMesh { positions, triangles: soup.triangles.iter().map(|triangle| triangle.map(corner)).collect() }
 }
 
-/// Rays along all axes, so many steps apart in a cell.
+/// The crossings of rays along all axes, `steps` rays to the edge of a cell.
 struct Rays {
     steps: u32,
     dims: [u32; 3],
@@ -127,7 +127,7 @@ impl Rays {
         Ok(Self { steps: fine.dims[0] / grid.dims[0], dims: fine.dims, along })
     }
 
-    /// What is behind a piece and in front of it; corners are in cells.
+    /// Looks behind a piece and in front of it; its corners are in cells.
     fn see(&self, [a, b, c]: &[DVec3; 3]) -> Lost {
         let normal = (*b - *a).cross(*c - *a).normalize_or_zero().abs();
         let axis = usize::from(normal.y > normal.x);
@@ -147,7 +147,7 @@ impl Rays {
     }
 }
 
-/// How long a ray is inside, and between surfaces outside, right before or behind a place on it, steps; the longer of two.
+/// Returns how long a ray is inside, and in a gap between surfaces, next to a place on it, steps; the longer span of two.
 fn lengths(ray: &[Crossing], cells: u32, place: f64) -> [Option<f64>; 2] {
     let total = ray.iter().fold(0_i16, |sum, crossing| sum.wrapping_add(crossing.sign));
     let mut found = [None, None];

@@ -38,12 +38,12 @@ pub use report::VoxelReport;
 pub struct Voxelization {
     /// The filled cells.
     pub cells: Cells,
-    /// What was found on the way.
+    /// What voxelization found.
     pub report: VoxelReport,
 }
 
 impl Voxelization {
-    /// Finds what is in the cells of the mesh they were made of, and says so in the report (J5).
+    /// Finds how full the cells are by sampling the mesh they were made of, and updates the report (J5).
     pub fn sample(&mut self, mesh: &TriMesh, watch: &dyn Watch) -> Result<Contents, VoxelizeError> {
         let found = contents(mesh, &self.cells, &self.report, watch)?;
         let report = &mut self.report;

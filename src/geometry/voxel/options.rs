@@ -7,7 +7,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OccupancyChoice {
-    /// By whether the mesh is closed.
+    /// Chosen by what the mesh is like, above all whether it is closed.
     #[default]
     Auto,
     /// Cells whose centre a ray finds inside (odd parity).
@@ -58,10 +58,10 @@ pub enum VoxelizeError {
     /// Only points and lines.
     #[error("no triangle of the model has an area; a surface is needed")]
     NoArea,
-    /// A grid too fine or none.
+    /// No divisions, or more than [`MAX_DIVISIONS`].
     #[error("{0} divisions are not possible; a number from 1 to {MAX_DIVISIONS} is needed")]
     Divisions(u32),
-    /// Too large or too small for numbers.
+    /// The extent is too large or too small for floating-point numbers.
     #[error("the model's longest extent is {0:e}; a surface of some size is needed, between about 1e-300 and 1e308")]
     Extent(f64),
     /// Centre occupancy found nothing inside.
@@ -69,7 +69,7 @@ pub enum VoxelizeError {
         "no cell of {0} divisions has its centre inside the model; use solid or surface occupancy or more divisions"
     )]
     NoCells(u32),
-    /// Stopped by the one who asked.
+    /// Cancelled by the caller.
     #[error("filling the model with cells was cancelled")]
     Cancelled,
 }

@@ -1,19 +1,18 @@
-//! The surface of a mesh in small pieces: each is in one cell.
+//! Divides the surface of a mesh into small pieces, each of which counts for one cell.
 
 use glam::DVec3;
 
 use super::Grid;
 use crate::geometry::TriMesh;
 
-/// The longest edge of a piece of a triangle for samples of what is in cells, in cells; longer ones where there would be too
-/// many.
+/// The longest edge of a piece that is a sample of a cell's contents, in cells; longer if there would be too many pieces.
 pub(super) const PIECE: f64 = 0.5;
 
-/// A piece of a sliver may be longer if its area is below this share of the square of that edge.
+/// A sliver may have longer edges: a piece whose area is below this share of the square of that length.
 const SLIVER: f64 = 1.0 / 16.0;
 
-/// How many squares of that edge a surface has at most: a few samples each. A surface that lies on itself a thousand times
-/// has no more samples than one that does not.
+/// The most squares of that length in a surface, with a few samples each. A surface that lies on itself a thousand times has
+/// no more samples than one that does not.
 const MOST_SQUARES: f64 = 1e6;
 
 /// Divides the triangles of a mesh.
@@ -25,7 +24,7 @@ pub(in crate::geometry) struct Divider<'a> {
 }
 
 impl<'a> Divider<'a> {
-    /// For a mesh within a grid, in pieces whose edges are no longer than so many cells.
+    /// Prepares to divide a mesh within a grid into pieces whose edges are at most `longest` cells.
     pub(in crate::geometry) fn new(mesh: &'a TriMesh, grid: &Grid, longest: f64) -> Self {
         let square = (area(mesh, grid) / MOST_SQUARES).max(longest * longest);
         Self { mesh, grid: *grid, square, open: Vec::new() }
@@ -74,7 +73,7 @@ pub(super) fn area(mesh: &TriMesh, grid: &Grid) -> f64 {
     (0..mesh.triangles.len()).map(|triangle| of(mesh.corners(triangle))).sum()
 }
 
-/// The filled cells that take what is in an empty one: those that share a face with it, else an edge, else a corner.
+/// Returns the filled cells that take an empty one's contents: those that share a face with it, else an edge, else a corner.
 pub(in crate::geometry) fn takers(
     grid: &Grid,
     cell: [u32; 3],

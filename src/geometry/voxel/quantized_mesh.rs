@@ -28,7 +28,7 @@ impl QuantizedMesh {
     /// covers it with as few cells as possible.
     pub(super) fn new(mesh: &TriMesh, divisions: u32) -> Result<Self, VoxelizeError> {
         let bounds = mesh.bounds();
-        // Halved first: the sum of two huge numbers may not be one.
+        // Halved first: the sum of two huge numbers may overflow.
         let centre = bounds.min * 0.5 + bounds.max * 0.5;
         let extent = bounds.max - bounds.min;
         let longest = extent.max_element();
@@ -36,7 +36,7 @@ impl QuantizedMesh {
         if !(extent.is_finite() && cell_size.is_normal()) {
             return Err(VoxelizeError::Extent(longest));
         }
-        // An extent of a step more than n cells, by rounding in the file, is n cells.
+        // An extent longer than n cells by up to a step, from rounding in the file, is n cells.
         let whole_cells = |extent: f64| libm::ceil(extent / cell_size - 1.0 / CELL as f64).max(1.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and divisions")]
         let dims = extent.to_array().map(|extent| whole_cells(extent) as u32);

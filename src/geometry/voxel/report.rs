@@ -9,7 +9,7 @@ use super::shell::CHUNK;
 use super::{OccupancyChoice, touch};
 use crate::geometry::trimesh::MeshFacts;
 
-/// What came of a mesh in a grid. Field names are the keys of the JSON report.
+/// The result of voxelizing a mesh. Field names are the keys of the JSON report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct VoxelReport {
     /// Vertices of the mesh.
@@ -30,9 +30,9 @@ pub struct VoxelReport {
     pub dims: [u32; 3],
     /// The edge of a cell, in the units of the mesh.
     pub cell_size_m: f64,
-    /// The way that was used; never `auto`.
+    /// The occupancy used; never `auto`.
     pub occupancy: OccupancyChoice,
-    /// Why that way.
+    /// Why that occupancy.
     pub why: String,
     /// Filled cells that were kept.
     pub cells: usize,
@@ -48,12 +48,12 @@ pub struct VoxelReport {
     pub joined_parts: usize,
     /// Parts of the mesh whose box is thinner than a cell along x, y or z. (A thin part that lies askew is not counted.)
     pub thin_parts: usize,
-    /// What a density counts for, in the units of the mesh: that of the kept cells, or what is in them once they are
-    /// sampled.
+    /// The volume that a density applies to, in the units of the mesh: that of the kept cells, or of what is in them once
+    /// they are sampled.
     pub volume_m3: f64,
     /// Samples inside the mesh or on it; none where cells count as full.
     pub samples: usize,
-    /// Kept cells that hold less than they are taken to.
+    /// Kept cells that count as fuller than they are.
     pub raised_cells: usize,
     /// What a person should know before using the result, a sentence each.
     pub warnings: Vec<String>,

@@ -13,15 +13,15 @@ use crate::geometry::watch::Pieces;
 /// Triangles that one task takes at a time.
 pub(super) const CHUNK: usize = 512;
 
-/// What is known of every cell of the padded grid, a bit a cell each.
+/// What is known of every cell of the padded grid, one bit each.
 pub(super) struct Shell {
     grid: Grid,
     padded: Grid,
-    /// A triangle touches it.
+    /// A triangle touches the cell.
     touched: FixedBitSet,
-    /// By axis, there is a wall on its low face; empty where there is none at all.
+    /// By axis: there is a wall on the cell's low face. The set is empty if that axis has no wall at all.
     walls: [FixedBitSet; 3],
-    /// Air reaches it from outside.
+    /// Air reaches the cell from outside.
     outside: FixedBitSet,
 }
 
@@ -88,8 +88,8 @@ impl Shell {
         }
     }
 
-    /// Reaches every cell that a path through faces leads to from the padding, around touched cells and walls: a run along x
-    /// at a time, as there are far fewer.
+    /// Marks as outside every cell that a path through faces reaches from the padding without touched cells and walls. It
+    /// takes a run along x at a time, as runs are far fewer.
     fn flood(&mut self) {
         let Self { padded, touched, walls, outside, .. } = self;
         let mut open = vec![[0, 0, 0]];

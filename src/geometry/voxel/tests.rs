@@ -245,8 +245,8 @@ fn the_coupler_is_one_body_with_a_bore_at_every_resolution() {
     }
 }
 
-/// The defects that SC lists for its bridge: parts that only cells join, as they lie apart by less than a cell or cross, polygons
-/// by themselves, skinny triangles, open ends.
+/// The defects that SC lists for its bridge: parts that only cells join, as they cross or lie less than a cell apart,
+/// isolated polygons, skinny triangles, open ends.
 #[test]
 fn the_bridge_has_every_defect_and_weighs_alike_in_any_number_of_divisions() {
     let bridge = asset(include_bytes!("../../../assets/bridge.obj"));

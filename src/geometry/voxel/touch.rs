@@ -44,7 +44,7 @@ fn reach(triangle: &[Point; 3]) -> Range {
     })
 }
 
-/// What may separate a triangle from a box, beside the box's own axes.
+/// The axes that may separate a triangle from a box, besides the box's own.
 struct Separation {
     /// Edge × axis directions and the triangle's extent along them.
     slabs: [Option<(Point, i64, i64)>; 9],

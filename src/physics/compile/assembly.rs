@@ -1,9 +1,8 @@
-//! What particles weigh and links are made of: the same for all (springs), or shared out by the cells (solid); springs that
-//! differ by cell are in [`super::springs_by_cell`].
+//! Masses of particles and constants of links: the same for all (springs), or sums of the cells' shares (solid); springs
+//! that differ by cell are in [`super::springs_by_cell`].
 //!
-//! Every cell of edge h gives each of its own links a share, and a link's constant is the sum over the cells that hold
-//! it, so that a surface is as soft as it is thin and a block has the modulus it was asked for, whatever its
-//! resolution:
+//! Every cell of edge h gives each of its own links a share, and a link's constant is the sum over the cells that hold it,
+//! so that a surface is as soft as it is thin and a block has the given modulus at any resolution:
 //!
 //! ```text
 //!   12 edges             a quarter of the structural constant   (four cells meet at an edge)
@@ -37,9 +36,9 @@ pub(in crate::physics) const STRUCTURAL_OVER_SHEAR: f64 = 2.246_71;
 /// The material side of a body model.
 #[derive(Debug)]
 pub(in crate::physics) struct Assembled<R: Real> {
-    /// Of every particle, or the mean, kg.
+    /// The mass of every particle, or the mean, kg.
     pub(in crate::physics) particle_mass: f64,
-    /// Of the particles, kg.
+    /// The masses of the particles, kg.
     pub(in crate::physics) masses: Values<f64>,
     /// The links by family.
     pub(in crate::physics) links: [LinkFamily<R>; 3],
@@ -57,8 +56,8 @@ pub(in crate::physics) fn uniform<R: Real>(springs: &Springs, measured: [Arc<[Li
     Assembled { particle_mass, masses: Values::Uniform(particle_mass), links }
 }
 
-/// What a cell of a solid shares out. `size` is the body's longest extent, m: its slowest vibration has the damping
-/// ratio asked for, faster ones more in proportion to their frequency.
+/// The constants that a cell of a solid shares out. `size` is the body's longest extent, m: its slowest vibration has the
+/// solid's damping ratio, faster ones have more in proportion to their frequency.
 pub(in crate::physics) fn solid_cell(solid: &Solid, lattice: &Lattice, size: f64) -> CellKind {
     let h = lattice.grid.cell_size;
     let shear = solid.young_modulus * h * h / MODULUS_OVER_SHEAR;
@@ -72,7 +71,7 @@ pub(in crate::physics) fn solid_cell(solid: &Solid, lattice: &Lattice, size: f64
     }
 }
 
-/// Young's modulus of the solid whose diagonal links are so stiff (N), Pa.
+/// Young's modulus of the solid whose diagonal links have this stiffness (N), Pa.
 #[expect(clippy::cast_possible_truncation, reason = "it is shown")]
 pub(in crate::physics) fn modulus(diagonal: f64, lattice: &Lattice) -> f32 {
     let h = lattice.grid.cell_size;
@@ -132,10 +131,10 @@ pub(super) fn in_classes<R: Real>(links: Arc<[Link<R>]>, of_link: Vec<u16>, cons
     LinkFamily { stiffness, damping, links, constants: LinkConstants::Classes { of_link, constants } }
 }
 
-/// Between how many cells a link along so many axes lies inside a body.
+/// How many cells share a link inside a body, by the number of axes that the link runs along.
 const SHARED_BY: [u8; 4] = [1, 4, 2, 1];
 
-/// The sum of what the cells of a class give to a link of a family, N and N·s; `step` is that of their levels.
+/// The sum of the shares that the cells of a class give to a link of a family, N and N·s; `step` is that of their levels.
 fn shares((shared_by, held): &ClassKey, kinds: &[CellKind], step: f64, family: Family) -> [f64; 2] {
     let known = present(held).filter_map(|(kind, level)| Some((kinds.get(usize::from(kind))?, level)));
     known.fold([0.0, 0.0], |[k, d], (kind, level)| {

@@ -1,5 +1,5 @@
-//! Of which kind every cell of a body is: its own, that of a part of the model, one between several of these or that of an
-//! inlay.
+//! The kind of every cell of a body: the body's own, that of a part of the model, one between several of these, or that of
+//! an inlay.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,11 +16,11 @@ use crate::scene::{Body, Springs};
 
 /// The kinds of a body's cells.
 pub(super) struct Kinds {
-    /// The body's own, whether it occurs or not, and the others that occur.
+    /// The body's own kind, even if no cell is of it, and the other kinds that occur.
     pub(super) all: Vec<CellKind>,
-    /// Of which material each is: 0 of the body's own, then of its parts and of its inlays, as they follow one another.
+    /// The number of each kind's material: 0 for the body's own, then its parts, then its inlays, in their order.
     pub(super) numbers: Vec<u8>,
-    /// The place among them of each cell's.
+    /// The place in `all` of each cell's kind.
     pub(super) of_cell: Values<u8>,
 }
 
@@ -55,7 +55,7 @@ pub(super) fn of_solid(solid: &Solid, body: &Body, lattice: &Lattice, size: f64,
     with_inlays(kinds, body, lattice, rest, kind_of)
 }
 
-/// What stands in a body for its own material.
+/// Where a cell has its material from.
 enum Within<'a> {
     /// The body's own.
     Body,
@@ -65,7 +65,7 @@ enum Within<'a> {
     Inlay(&'a Inlay),
 }
 
-/// The kinds of the cells of a body with parts, and with inlays over them. `rest` is where its particles are at rest, m.
+/// Lays a body's inlays over the kinds of its parts. `rest` is where its particles are at rest, m.
 fn with_inlays(
     mut kinds: Kinds,
     body: &Body,
@@ -79,7 +79,7 @@ fn with_inlays(
     }
     let painted: Vec<BTreeSet<[i32; 3]>> = inlays.iter().map(|inlay| inlay.cells.iter().copied().collect()).collect();
     let low = lowest_cell(&body.shape);
-    // The last one that has it: painted before any in whose box it is.
+    // The last inlay that has the cell painted, otherwise the last one whose box holds it.
     let inlay_of = |corners: &[u32; 8], place: u32| {
         let middle = 0.5 * (rest[corners[0] as usize] + rest[corners[7] as usize]);
         let in_box = |of: &Inlay| (middle.cmpge(DVec3::from(of.min)) & middle.cmple(DVec3::from(of.max))).all();
@@ -102,7 +102,7 @@ fn with_inlays(
 }
 
 impl Kinds {
-    /// Adds that of the material of this number, and tells its place.
+    /// Adds the kind of the material of this number, and returns its place.
     fn push(&mut self, number: usize, kind: CellKind) -> u8 {
         let place = u8::try_from(self.all.len()).unwrap_or(0);
         self.all.push(kind);
@@ -117,14 +117,14 @@ fn parts_of(body: &Body) -> (&[Part], Vec<&str>) {
     (parts, parts.iter().map(|part| part.name.as_str()).collect())
 }
 
-/// Of how many equal pieces a cell of several parts is made.
+/// How many equal pieces a cell of several parts consists of.
 const PIECES: u8 = 16;
 
-/// The most kinds of a body before those of its inlays are added: a byte says of which a cell is.
+/// The most kinds of a body before those of its inlays are added: the kind of a cell is a byte.
 const MOST_KINDS: usize = 255 - MAX_INLAYS;
 
-/// Gives cells with surface of several parts a kind between theirs: of their volume each has its share of the surface, the
-/// stiffness is the mean by mass (J5).
+/// Gives cells with surface of several parts a kind between theirs: each part has the same share of the volume as of the
+/// surface, and the stiffness is the mean by mass (J5).
 fn blend(kinds: &mut Kinds, body: &Body, lattice: &Lattice, kind_of: &impl Fn(Within<'_>) -> CellKind) {
     let (parts, names) = parts_of(body);
     if parts.is_empty() {
@@ -142,7 +142,7 @@ fn blend(kinds: &mut Kinds, body: &Body, lattice: &Lattice, kind_of: &impl Fn(Wi
         }
         let kind = match known.get(&pieces) {
             Some(kind) => *kind,
-            // Beyond so many a cell is of the part that most of it is of.
+            // Beyond so many kinds, a cell is of its largest part alone.
             None if kinds.all.len() >= MOST_KINDS => continue,
             None => {
                 let all: Vec<(CellKind, u8)> = pieces.iter().map(|(number, of)| (material(*number), *of)).collect();
@@ -160,7 +160,7 @@ fn blend(kinds: &mut Kinds, body: &Body, lattice: &Lattice, kind_of: &impl Fn(Wi
     }
 }
 
-/// Shares in [`PIECES`], all of them together; the largest, which comes first, has what rounding leaves.
+/// Rounds shares to pieces, [`PIECES`] in all; the largest share, which comes first, gets what rounding leaves.
 fn in_pieces(shares: &[(u32, f64)]) -> Vec<(u32, u8)> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "shares are up to 1")]
     let rounded = |share: f64| (share * f64::from(PIECES)).round() as u8;
@@ -170,7 +170,7 @@ fn in_pieces(shares: &[(u32, f64)]) -> Vec<(u32, u8)> {
     first.chain(rest).filter(|(_, pieces)| *pieces > 0).collect()
 }
 
-/// The kind of a cell of which so many pieces are of each kind.
+/// The kind of a cell that consists of these numbers of pieces of each kind.
 fn mean_by_mass(of: &[(CellKind, u8)]) -> CellKind {
     let whole: f64 = of.iter().map(|(_, pieces)| f64::from(*pieces)).sum();
     let masses = || of.iter().map(|(kind, pieces)| (kind, f64::from(*pieces) / whole * kind.mass));
@@ -181,7 +181,7 @@ fn mean_by_mass(of: &[(CellKind, u8)]) -> CellKind {
     CellKind { stiffness: mean(|kind| kind.stiffness), damping: mean(|kind| kind.damping), mass }
 }
 
-/// The kinds of the cells of a body with parts, each of the part that most of it is of.
+/// The kinds of the cells of a body with parts: each cell is of the part that has most of it.
 fn kinds_of_parts(body: &Body, lattice: &Lattice, kind_of: &impl Fn(Within<'_>) -> CellKind) -> Kinds {
     let mut kinds = Kinds { all: vec![kind_of(Within::Body)], numbers: vec![0], of_cell: Values::Uniform(0) };
     let (parts, names) = parts_of(body);

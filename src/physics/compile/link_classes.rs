@@ -27,13 +27,15 @@ pub(super) fn holders(around: &[u32; 8], low: [u32; 3], high: [u32; 3]) -> impl 
     around.iter().enumerate().filter(move |&(place, &cell)| cell != NO_CELL && fits(place)).map(|(_, &cell)| cell)
 }
 
-/// The most cells that hold a link: four an edge, and as many each half of a link that runs straight through a particle.
+/// The most cells that hold a link: four around an edge, and four around each half of a link that runs straight through a
+/// particle.
 const HOLDERS: usize = 8;
 
-/// Stands where a link has fewer cells.
+/// Stands in the places that a link with fewer cells leaves empty.
 const NO_KIND: u8 = u8::MAX;
 
-/// How many cells share a link, and the kinds of those that do with the levels of their stiffness, ascending.
+/// How many cells a link is shared by, and the kinds of the cells that hold it, each with the level of its stiffness,
+/// ascending.
 pub(super) type ClassKey = (u8, [(u8, u16); HOLDERS]);
 
 /// The classes of links found so far.
@@ -44,12 +46,13 @@ pub(super) struct Classes {
     last: Option<(ClassKey, u16)>,
 }
 
-/// From so many classes on levels are rounded down to steps of [`COARSE`], of which there are few enough.
+/// From this number of classes on, levels are rounded down to multiples of [`COARSE`], so that few classes are added.
 const MANY: usize = 50_000;
 const COARSE: u16 = 64;
 
 impl Classes {
-    /// `differ`: cells of one kind may be of different levels, which then count by their sum.
+    /// The class of a link that these cells hold, by kind and level. `differ`: cells of one kind may be of different levels,
+    /// which then count by their sum.
     pub(super) fn of(&mut self, shared_by: u8, cells: impl Iterator<Item = (u8, u16)>, differ: bool) -> u16 {
         let (mut held, count) = listed(cells);
         held[..count].sort_unstable();
@@ -67,8 +70,8 @@ impl Classes {
         number
     }
 
-    /// The class of what is the mean of the cells that hold it, of these kinds. Where a body has very many classes, it is of the
-    /// commonest kind alone.
+    /// The class of a link or particle that has the mean of its cells' constants; `kinds` are those of the cells. Where a
+    /// body has very many classes, only the commonest kind counts.
     pub(super) fn of_mean(&mut self, kinds: impl Iterator<Item = u8>) -> u16 {
         let (mut held, count) = listed(kinds.map(|kind| (kind, 1)));
         held[..count].sort_unstable();
@@ -78,7 +81,7 @@ impl Classes {
         if is_known || self.keys.len() < MANY {
             return self.of(key.0, present(&held), true);
         }
-        // Of as common ones the first.
+        // Of equally common kinds the first.
         let commonest = present(&held).rev().max_by_key(|(_, cells)| *cells);
         self.of(1, commonest.into_iter().map(|(kind, _)| (kind, 1)), true)
     }
@@ -99,7 +102,7 @@ impl Classes {
     }
 }
 
-/// The same with every kind once.
+/// Lists every kind once, with the sum of its levels.
 fn merged(held: [(u8, u16); HOLDERS]) -> [(u8, u16); HOLDERS] {
     let mut merged = [(NO_KIND, 0); HOLDERS];
     let mut last = 0;
@@ -112,7 +115,7 @@ fn merged(held: [(u8, u16); HOLDERS]) -> [(u8, u16); HOLDERS] {
     merged
 }
 
-/// Those at the front of a list, and how many they are.
+/// A list with these cells at its front, and their number.
 fn listed(cells: impl Iterator<Item = (u8, u16)>) -> ([(u8, u16); HOLDERS], usize) {
     let (mut held, mut count) = ([(NO_KIND, 0); HOLDERS], 0);
     for (slot, cell) in held.iter_mut().zip(cells) {

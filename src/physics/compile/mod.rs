@@ -1,5 +1,5 @@
-//! From the document to a running simulation, and from the document as it was edited to one that goes on: particles
-//! placed, links measured, obstacles framed, steps planned.
+//! Compiles the document to a running simulation, and an edited document to one that goes on: places particles, measures
+//! links, frames obstacles, plans steps.
 
 mod assembly;
 mod kinds;
@@ -48,7 +48,7 @@ pub enum SceneError {
     /// A value is not allowed.
     #[error(transparent)]
     Value(#[from] Problem),
-    /// The model of an obstacle cannot be met.
+    /// The mesh of an obstacle cannot be used.
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// A shape gives no particles.
@@ -90,22 +90,22 @@ impl<R: Real> Simulation<R> {
         Self::with_modes(scene, lattices, &[])
     }
 
-    /// The same with modal bodies where there are any, in the bodies' order; the others move by their cells.
+    /// The same with modes for the bodies that have any, in the bodies' order; the others move by their cells.
     pub fn with_modes(scene: &Scene, lattices: &[Arc<Lattice>], modes: &[Option<Arc<ModalModel>>]) -> Self {
         let (model, plan) = compile(scene, lattices, modes, None);
         Self::start(model, plan)
     }
 
-    /// Has bodies move by these modes from now on, each from where it is and as it moves; those without any move by their
-    /// cells. The scene must be the one that goes on.
+    /// Lets bodies move by these modes from now on, each from its present place and motion; bodies without modes move by
+    /// their cells. The scene must be the one that goes on.
     pub fn set_modes(&mut self, scene: &Scene, lattices: &[Arc<Lattice>], modes: &[Option<Arc<ModalModel>>]) {
         let kept: Vec<Option<usize>> = (0..scene.obstacles.len()).map(Some).collect();
         let (model, plan) = compile(scene, lattices, modes, Some(self.model()));
         self.replace_model(model, plan, &kept, Arrival::Placed);
     }
 
-    /// Takes new parameters, obstacles and settings while everything keeps moving: the scene must have the bodies
-    /// and lattices it had. `kept` names, for each obstacle of the scene, the one it was.
+    /// Takes new parameters, obstacles and settings while everything keeps moving: the scene must have the bodies and
+    /// lattices it had. `kept` names, for each obstacle of the scene, the old one that it was.
     pub fn set_parameters(
         &mut self,
         scene: &Scene,
@@ -119,9 +119,9 @@ impl<R: Real> Simulation<R> {
     }
 }
 
-/// Builds the model of a scene and the plan of its step; `lattices` are those of the scene's bodies, in their order.
-/// What follows from a lattice alone is taken from bodies of the model `before`, where there is one: changing a constant
-/// does not measure a million links again. `modes` lead bodies that have any, in the bodies' order.
+/// Builds the model of a scene and the plan of its step; `lattices` are those of the scene's bodies, in their order. What
+/// follows from a lattice alone is taken from bodies of the model `before`, where there is one: changing a constant does not
+/// measure a million links again. `modes` are those of bodies that have any, in the bodies' order.
 ///
 /// # Panics
 /// If there are not as many lattices as bodies: the caller resolves every body first.
@@ -223,7 +223,7 @@ fn compile_body<R: Real>(
     let samples_known = samples_known.filter(|samples| samples.meet_bodies || !meets_others);
     let new_samples = || Samples::new(lattice, meets_others).map(Arc::new);
     let samples = if is_on_mesh { samples_known.or_else(new_samples) } else { None };
-    // A body may stand on one point of its mesh, at a quarter of the depth that it may have.
+    // A body may stand on a single point of its mesh, pressed in by a quarter of the depth limit.
     let weight = particle_mass * rest.len() as f64 * gravity;
     let on_one = if samples.is_some() { load.max(4.0 * weight) } else { load };
     let hull = known.map_or_else(Arc::default, |body| Arc::clone(&body.among_bodies.hull));
@@ -261,7 +261,7 @@ fn compile_body<R: Real>(
     }
 }
 
-/// That of a body of one solid with this lattice, where there is one.
+/// The load share of a body of one solid with this lattice, where there is such a body.
 fn known_load_share<R: Real>(bodies: &[BodyModel<R>], lattice: &Arc<Lattice>) -> Option<f64> {
     let of_one = |body: &BodyModel<R>| match &body.composition {
         Composition::Solids { kinds, load_share } if kinds.len() == 1 => Some(*load_share),

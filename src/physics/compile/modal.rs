@@ -1,4 +1,4 @@
-//! Modal bodies: what moves them, and what is left of them for the plan of a step.
+//! Compiles modal bodies, and takes them out of what limits the step.
 
 use std::sync::Arc;
 
@@ -10,8 +10,8 @@ use crate::physics::model::{
 };
 use crate::scene::Pose;
 
-/// Has a compiled body move by modes that are of as many particles as it has; other modes are left alone. What of it
-/// meets obstacles is taken over from bodies that moved by the same modes.
+/// Makes a compiled body move by modes, if these are of as many particles as it has. Its points that meet obstacles are
+/// taken over from a body that moved by the same modes.
 pub(super) fn move_by<R: Real>(body: &mut BodyModel<R>, modes: &Arc<ModalModel>, pose: &Pose, before: &[BodyModel<R>]) {
     if modes.particle_count() != body.particles.len() {
         return;
@@ -34,11 +34,11 @@ pub(super) fn move_by<R: Real>(body: &mut BodyModel<R>, modes: &Arc<ModalModel>,
     let alike = known.map(|modal| Arc::clone(&modal.farthest));
     let farthest = alike.unwrap_or_else(|| farthest(modes, body.particles.len()));
     body.modal = Some(ModalBody { modes: Arc::clone(modes), bounds, farthest, points, rigid, turn, place });
-    // Modes that would have parts of it pass through each other are no small motion any more.
+    // A motion in which parts of the body would meet is no longer a small one, for which modes hold.
     body.among_bodies.meets_itself = false;
 }
 
-/// The farthest that any particle is moved by an amplitude of 1 of each mode, 1/√kg.
+/// For each mode the largest displacement of a particle for an amplitude of 1, 1/√kg.
 fn farthest(modes: &ModalModel, particles: usize) -> Arc<[f64]> {
     let mut farthest = vec![0.0_f64; modes.count()];
     for particle in 0..particles {
@@ -49,7 +49,7 @@ fn farthest(modes: &ModalModel, particles: usize) -> Arc<[f64]> {
     farthest.into()
 }
 
-/// A model in which modal bodies have nothing that would limit a step; none where no body is.
+/// A copy of a model in which modal bodies have nothing that would limit a step; none where no body is modal.
 pub(super) fn without_modal<R: Real>(model: &Model<R>) -> Option<Model<R>> {
     model.bodies.iter().any(|body| body.modal.is_some()).then(|| {
         let Model { bodies, obstacles, gravity, fall_limit } = model;

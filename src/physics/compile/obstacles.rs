@@ -92,7 +92,7 @@ pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>
         .collect()
 }
 
-/// The box around everything that what is in a box may come to by its own motion.
+/// The box around all places that the contents of a box come to by their own motion.
 fn around_all(bounds: &Aabb<f64>, motion: &RigidMotion) -> Aabb<f64> {
     let reach = DVec3::splat(0.5 * bounds.size().length() + motion.reach());
     Aabb { min: bounds.center() - reach, max: bounds.center() + reach }

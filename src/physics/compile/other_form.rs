@@ -10,12 +10,12 @@ use crate::scene::{Body, Material, MaterialValue, Springs};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OtherForm {
     material: Material,
-    /// Of its inlays and its parts, in their order.
+    /// The materials of its inlays and of its parts, in their order.
     within: [Vec<Material>; 2],
 }
 
 impl OtherForm {
-    /// Of a body of this lattice.
+    /// Converts the materials of a body of this lattice.
     pub fn of(body: &Body, lattice: &Lattice) -> Self {
         let converted = |(solid, springs): (Solid, Springs)| match &body.material {
             Material::Springs(_) => other_form(&Material::Springs(springs), lattice),
@@ -29,7 +29,7 @@ impl OtherForm {
         }
     }
 
-    /// That body with these.
+    /// The body with these materials.
     pub fn given_to(&self, body: &Body) -> Body {
         let set = |material: &Material, solid: &mut Solid, springs: &mut Springs| match material {
             Material::Springs(of) => *springs = *of,
@@ -43,8 +43,8 @@ impl OtherForm {
     }
 }
 
-/// The same material in the other form: of a solid the constants that its links have inside it, of springs the isotropic
-/// solid that comes nearest to them. What would be outside a parameter's range ends at it.
+/// The same material in the other form: for a solid the constants of the links inside it, for springs the isotropic solid
+/// that comes nearest to them. Values are kept within their parameters' ranges.
 fn other_form(material: &Material, lattice: &Lattice) -> Material {
     let h = lattice.grid.cell_size;
     let particles = lattice.corners.len() as f64;
@@ -52,7 +52,8 @@ fn other_form(material: &Material, lattice: &Lattice) -> Material {
     let size = Aabb::<f64>::around(rest).size().max_element();
     match material {
         Material::Springs(springs) => {
-            // What stands in for the shear stiffness of an isotropic lattice, seen along the axes and across them.
+            // The shear stiffness of the nearest isotropic lattice: the mean of what links along the axes and across them
+            // ask for.
             let mean = |of: fn(&Spring) -> f64| {
                 let along = of(&springs.structural) + 2.0 * of(&springs.bending);
                 0.5 * (of(&springs.shear) + along / STRUCTURAL_OVER_SHEAR)

@@ -1,4 +1,4 @@
-//! What of a body is held: the particles in its pin boxes, and those of the cells that it names.
+//! The held particles of a body: those in its pin boxes, and those of the cells that it names.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ use crate::physics::model::Values;
 use crate::scene::Body;
 use crate::scene::cell_brush::{cell_in_grid, lowest_cell};
 
-/// Which particles are held, by where they are at rest, m.
+/// Which particles are held. `rest` is where they are at rest, m.
 pub(super) fn pinned(body: &Body, lattice: &Lattice, rest: &[DVec3]) -> Values<bool> {
     if !body.has_pins() {
         return Values::Uniform(false);

@@ -14,16 +14,16 @@ use crate::physics::{share, team};
 use crate::scene::Settings;
 use crate::scene::settings::Stepping;
 
-/// The longest step of a scheme that takes over, s: four a frame. Longer ones of the implicit scheme are cheaper for the
-/// same simulated time, and quiet a vibration of 5 Hz in one period instead of three; those of the stabilised one hardly are,
-/// and what meets an obstacle does so four times a frame at least.
+/// The longest step of a scheme that takes over from the one in the settings, s: four a frame. Longer steps of the implicit
+/// scheme are cheaper for the same simulated time, but quiet a vibration of 5 Hz in one period instead of three. Longer ones
+/// of the stabilised scheme are hardly cheaper, and obstacles are met at least four times a frame.
 const LONGEST_SECS: f64 = 0.25 * FRAME_SECS;
 
 /// The least limit of the work of a substep: one try in which every round takes all iterations.
 const LEAST_WORK: u64 = 6_560;
 
-/// Links are stretched so far by common loads, and further between two looks at them: the stabilised scheme takes over where
-/// it bears as much.
+/// Common loads stretch links by this strain, and further between two looks at them: the stabilised scheme takes over only
+/// where it bears as much.
 const LEAST_STRAIN: f64 = 0.2;
 
 /// Halvings beyond the step that is safe at rest: strained bodies are stiffer (see [`crate::physics::stepping::strain`]).
@@ -54,12 +54,12 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let mut ways = vec![(chosen, asked_for)];
     let mut of_stages = (chosen == Scheme::Stabilised).then(stabilised);
     if divided && of_stages.as_ref().is_some_and(|limits| !is_longer(limits, &semi_implicit)) {
-        // A vibration with hardly any damping leaves it no step.
+        // With hardly any damping, the steps of the stabilised scheme are not longer than those of semi-implicit Euler.
         ways = vec![(Scheme::SemiImplicit, StepDivision::of(&semi_implicit, settings.dt))];
     }
-    // Who asks for a step that needs no division wants it for its error.
+    // A step that needs no division was chosen for its small error.
     if divided && asked_for.substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
-        // Who chose another scheme than the default one wants that.
+        // A scheme other than the default one was chosen on purpose.
         if chosen == Scheme::SemiImplicit {
             let limits = of_stages.insert(stabilised());
             limits.dt_safe_secs = limits.dt_safe_secs.map(|safe| safe.min(longest_under_tension(model)));
@@ -121,9 +121,9 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     Plan { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
 }
 
-/// How substeps of `secs` are taken in which bodies come near each other or themselves. Contact between bodies is an impulse on predicted
-/// velocities: the schemes that have no place for it leave such substeps to the default one, in parts, where steps are
-/// `divided`; where they are not, or would be into more parts than anyone waits for, nothing meets.
+/// How substeps of `secs` (s) are taken in which bodies come near each other or themselves. Contact between bodies is an
+/// impulse on predicted velocities. Schemes that have no place for it leave such substeps to the default scheme, in parts,
+/// where steps are `divided`. Where they are not, or would need too many parts, there is no contact between bodies.
 fn between_bodies<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
@@ -139,8 +139,8 @@ fn between_bodies<R: Real>(
     with_impulses(model, semi_implicit, scheme, secs, divided, has_place)
 }
 
-/// The same where points of a body's mesh come near an obstacle, which are found on the way that particles go: what moves them
-/// by another velocity than that at the end has no place for it either.
+/// The same for substeps in which points of a body's mesh come near an obstacle. Their contact is found on the particles'
+/// paths, so schemes that move particles by another velocity than that at the end have no place for it either.
 fn on_mesh<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
@@ -153,7 +153,8 @@ fn on_mesh<R: Real>(
     with_impulses(model, semi_implicit, scheme, secs, divided, has_place)
 }
 
-/// Substeps of `secs` in which contact changes predicted velocities: by the scheme itself where it `has_place` for that.
+/// How substeps of `secs` (s) are taken in which contact changes predicted velocities: by the scheme itself where it
+/// `has_place` for that, otherwise by the default one.
 fn with_impulses<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
@@ -190,26 +191,26 @@ struct StepDivision {
 }
 
 impl StepDivision {
-    /// As many whole steps a substep as fit into `longest` (s), or as many substeps a step.
+    /// Substeps of up to `longest` (s): several whole steps in one, or several of them in a step.
     fn near(dt_secs: f64, longest: f64) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
         let [span, substeps] = [longest / dt_secs, libm::ceil(dt_secs / longest)].map(|count| count.max(1.0) as u32);
         Self { dt_secs, substeps, span }
     }
 
-    /// Into as many as are safe.
+    /// As few substeps as are safe.
     fn of(limits: &SceneLimits, dt_secs: f64) -> Self {
         Self { dt_secs: dt_secs.min(limits.longest_step_secs()), substeps: limits.substeps(dt_secs), span: 1 }
     }
 
-    /// Into as many as are safe and no longer than [`LONGEST_SECS`], each within a step: what is seen and saved after a step
-    /// is at its end.
+    /// As few substeps as are safe and no longer than [`LONGEST_SECS`], none longer than a step: the state after a step,
+    /// which is shown and saved, is at its end.
     fn of_whole_steps(limits: &SceneLimits, dt_secs: f64) -> Self {
         let longest = limits.dt_safe_secs.map_or(LONGEST_SECS, |safe| safe.min(LONGEST_SECS));
         Self { span: 1, ..Self::near(dt_secs, longest) }
     }
 
-    /// None.
+    /// A step that is not divided.
     fn whole(dt_secs: f64) -> Self {
         Self { dt_secs, substeps: 1, span: 1 }
     }
@@ -225,14 +226,14 @@ fn is_longer(one: &SceneLimits, other: &SceneLimits) -> bool {
     longest(one) > longest(other)
 }
 
-/// The longest substeps in which the stabilised scheme, that nobody chose, bears links that are stretched by
-/// [`LEAST_STRAIN`].
+/// The longest substeps in which the stabilised scheme bears links that are stretched by [`LEAST_STRAIN`]. This limits it
+/// only where the settings have another scheme.
 fn longest_under_tension<R: Real>(model: &Model<R>) -> f64 {
     model.bodies.iter().map(|body| tension::longest_secs(body, LEAST_STRAIN)).fold(f64::INFINITY, f64::min)
 }
 
-/// From which strain on a body is strained, and below which it is no more: earlier where the stabilised scheme does not bear
-/// links that are stretched so far, from the first where it bears less than [`LEAST_STRAIN`].
+/// The strains below which a body is calm and above which it is strained: smaller where the stabilised scheme does not bear
+/// links stretched so far, zero where it bears less than [`LEAST_STRAIN`].
 fn strains<R: Real>(model: &Model<R>, scheme: Scheme, secs: f64) -> [f64; 2] {
     if scheme != Scheme::Stabilised {
         return STRAINS;
@@ -243,7 +244,7 @@ fn strains<R: Real>(model: &Model<R>, scheme: Scheme, secs: f64) -> [f64; 2] {
     STRAINS.map(|strain| share * strain)
 }
 
-/// What the bodies' damping asks of the stabilised scheme.
+/// The rates behind the stages of the stabilised scheme.
 fn stage_rates<R: Real>(model: &Model<R>, limits: SceneLimits) -> StageRates {
     StageRates {
         strained: any_state::damping_rate(model) + limits.push_rate,

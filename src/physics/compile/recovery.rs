@@ -7,14 +7,14 @@ use crate::physics::model::levels::least_share;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, CellKind, RecoveryModel, Scheme};
 
-/// The most of `κ dt²/(m h²)`: a person's own step may be larger than the push could bear.
+/// The most of `κ dt²/(m h²)`: a manual step may be longer than the push could bear.
 const STIFFEST: f64 = 0.6;
 
 /// The stiffness of the pull over that of the push, at most.
 const PULL_SHARE: f64 = 1.0;
 
-/// Cells of a stiffness (N·m) and a mass (kg) against inversion, whatever a substep bears: as they are where they are
-/// part of the equations that are solved, which give links as much resistance as flowing would.
+/// The constants of recovery for a stiffness (N·m) and a mass (kg) against inversion, not limited by what a substep bears.
+/// They hold for the implicit scheme, whose equations contain recovery and give links as much resistance as flowing would.
 pub(super) fn unlimited<R: Real>([stiffness, mass]: [f64; 2]) -> RecoveryModel<R> {
     let stiffness = R::from_f64(stiffness);
     let pull = stiffness * R::from_f64(PULL_SHARE);
@@ -23,8 +23,8 @@ pub(super) fn unlimited<R: Real>([stiffness, mass]: [f64; 2]) -> RecoveryModel<R
 
 /// Limits push and pull of a body to what whole substeps of an explicit scheme bear.
 ///
-/// With `x = κ dt²/(m h²)` for a stiffness κ of the push, links are 2 x of the limit, 4, at most, the push on cells whose
-/// neighbours are well less than as much, and a pull of stiffness p κ adds 4 p x.
+/// With `x = κ dt²/(m h²)` for a push of stiffness κ, the limit of 4 is taken up by at most 2 x from links, less than 2 x
+/// from the push on cells whose neighbours are well, and 4 p x from a pull of stiffness p κ.
 pub(super) fn bear<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
     if plan.scheme == Scheme::Implicit {
         return;
@@ -44,12 +44,12 @@ pub(super) fn bear<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
 
 /// A cell's stiffness against inversion, N·m, and the mass against it, kg, from the constants of springs.
 ///
-/// A mode of wave number q along an axis changes V by `2 sin(q/2)/h` of its amplitude, so the term adds at most
-/// `4 κ/(m h²)` to the square of a frequency, and the links at most `(4 k1 + 8.74 k2 + 2 k3)/(m h)`. Half of the latter
-/// keeps the sum below the limit at the share of it that automatic stepping takes. For equal constants it is 7.4 k h;
-/// from half of that on every crushed cube came back, at more than twice of it crumpled ones gained energy. A family
-/// without links in `lattice` limits no step and so has no share. Of several kinds that of the
-/// softest: soft cells that were pushed as stiff ones are would throw their links far.
+/// A mode of wave number q along an axis changes V by `2 sin(q/2)/h` of its amplitude, so recovery adds at most `4 κ/(m h²)`
+/// to the square of a frequency, and links add at most `(4 k1 + 8.74 k2 + 2 k3)/(m h)`. With
+/// `κ = h (4 k1 + 8.74 k2 + 2 k3)/2` the sum stays below the limit with the margin of automatic stepping. For equal
+/// constants this κ is 7.4 k h; from half of it on every crushed cube came back, at more than twice of it crumpled ones
+/// gained energy. A family without links in `lattice` limits no step and is left out. Of several kinds the softest counts:
+/// soft cells that are pushed as hard as stiff ones would throw their links far.
 pub(super) fn of_springs(kinds: &[CellKind], lattice: &Lattice) -> [f64; 2] {
     let links = |kind: &CellKind| {
         let share = |family: Family, share: f64| {
@@ -63,8 +63,8 @@ pub(super) fn of_springs(kinds: &[CellKind], lattice: &Lattice) -> [f64; 2] {
     [0.5 * least * lattice.grid.cell_size, lightest]
 }
 
-/// The same from cells that share out their links and masses. On its own a cell of mass M moves with `12 κ/(M h²)`, as if
-/// its particles weighed a third of it; its links add at most `loads.stiffness`.
+/// The same for cells of solids, which share out links and masses. A cell of mass M on its own has `12 κ/(M h²)`, as if its
+/// particles weighed a third of M; its links add at most `loads.stiffness`.
 pub(super) fn of_cells(kinds: &[CellKind], lattice: &Lattice) -> [f64; 2] {
     let cell_size = lattice.grid.cell_size;
     let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min) * least_share(lattice) / 3.0;

@@ -47,7 +47,7 @@ impl SafeValue {
         }
     }
 
-    /// Whether that is its path.
+    /// Whether this is the path of the value.
     pub fn is_at(&self, path: &str) -> bool {
         path.ends_with(self.below_material()) && self.path() == path
     }
@@ -58,9 +58,9 @@ impl SafeValue {
     }
 }
 
-/// The bounds of all values of a body's materials, at rest and with the margin that automatic stepping keeps; of springs also
-/// those of its parts and inlays, as far as any cell is of them. Where a body holds other solids, contact is taken to change
-/// with its density as if they were of it. `model` is what the body was compiled to.
+/// The bounds of all values of a body's materials, at rest and with the margin that automatic stepping keeps; for springs
+/// also those of parts and inlays that have cells. Where a body contains other solids, contact is taken to change with the
+/// body's density as if all of it were of its own solid. `model` is the compiled body.
 pub fn largest_safe<R: Real>(
     body: &Body,
     model: &BodyModel<R>,
@@ -94,7 +94,7 @@ fn of_springs(
 ) -> Vec<SafeValue> {
     let now = by_angles[usize::from(loads.angles_are_held(springs))];
     let has_links = loads.has_links;
-    // Where stiffness may only be so much of the damping: whether a family, other springs or contact have more.
+    // Where the scheme limits stiffness over damping: whether a family, other springs or contact exceed that limit.
     let has_more = |family: Family, damping: f64| {
         has_links[family as usize] && springs.family(family).stiffness > per_damping * damping
     };
@@ -157,7 +157,7 @@ fn of_solid<R: Real>(
     let (loads, critical) = (loads_of(solid.damping_ratio), loads_of(1.0));
     let [mut times, mut times_lighter, mut damping_ratio] = [f64::INFINITY; 3];
     let others = other_loads(model);
-    // What it is now grows with the root of E/ρ.
+    // Stiffness over damping grows with the root of E/ρ.
     let room = per_damping / loads.stiffness_per_damping;
     (times, times_lighter) = (times.min(room * room), times_lighter.min(room * room));
     if others.stiffness_per_damping > per_damping {
@@ -174,7 +174,7 @@ fn of_solid<R: Real>(
             (times, times_lighter, damping_ratio) = (0.0, 0.0, 0.0);
         }
         let (stiff, damped) = (share.stiffness * loads.stiffness, of_damping * loads.damping);
-        // How many times E, and how many times 1/ρ, may be what they are.
+        // The factors by which E, and by which 1/ρ, may grow.
         times = times.min(times_within(stiff, damped, limit));
         times_lighter = times_lighter.min(load.times_lighter(stiff, damped));
         let room = limit - stiff;
@@ -184,7 +184,7 @@ fn of_solid<R: Real>(
             damping_ratio = damping_ratio.min(room / (of_damping * critical.damping));
         }
     }
-    // Stiffness is the less of its damping, the more there is of that.
+    // Stiffness over damping falls as the damping ratio grows.
     if critical.stiffness_per_damping > per_damping * damping_ratio {
         damping_ratio = 0.0;
     }
@@ -241,8 +241,8 @@ mod tests {
         largest_safe(&scene.bodies[0], body, StepSettings::of(scene), ContactLoad::of(body, scene))
     }
 
-    /// The safe step over the step asked for, with a value that many times its bound on the unsafe side of it; none where
-    /// that is out of the value's range.
+    /// The safe step over the settings' step, with a value beyond its bound by the factor `excess`; none where that is out
+    /// of the value's range.
     fn room(scene: &Scene, safe: &SafeValue, bound: f64, excess: f64) -> Option<f64> {
         let mut changed = scene.clone();
         let value = if safe.is_smallest { bound / excess } else { bound * excess };

@@ -1,4 +1,4 @@
-//! The settings' words for a scheme and a contact rule, and the physics' own.
+//! Converts the schemes and contact rules of the settings to those of the physics, and schemes back.
 
 use crate::physics::model::{ContactRule, Scheme};
 use crate::scene::settings::{self, Integrator};

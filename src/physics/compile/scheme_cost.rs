@@ -1,13 +1,13 @@
-//! What the schemes that may take a scene's steps would cost: predicted from counted operations alone, so that the choice
-//! between them is the same on every machine.
+//! Predicts the cost of the schemes that may take a scene's steps: from counted operations alone, so that the choice between
+//! them is the same on every machine.
 //!
 //! # Theory
 //!
-//! An explicit scheme works out every link once a substep. The implicit one solves equations in each of its steps, in
-//! several rounds where bodies meet obstacles; conjugate gradients miss the solution by a share ε after
-//! `½ √κ ln(2/ε)` iterations (Saad, "Iterative Methods for Sparse Linear Systems", 2003, 6.11.3), or as soon as what one
-//! end of the body does has reached the other; in a stiff body coarse grids see to that. With the diagonal taken out, the
-//! condition number κ is that of the fastest vibration over one that hardly pulls back:
+//! An explicit scheme evaluates every link once a substep. The implicit one solves equations in each of its steps, in
+//! several rounds where bodies meet obstacles. Conjugate gradients reach a relative error ε after `½ √κ ln(2/ε)` iterations
+//! (Saad, "Iterative Methods for Sparse Linear Systems", 2003, 6.11.3), or as soon as information has crossed the body from
+//! end to end; in a stiff body coarse grids see to that. With the diagonal taken out, the condition number κ is that of the
+//! fastest vibration over one with hardly any restoring force:
 //!
 //! ```text
 //! κ ≈ 1 + Σ families (dt² λ_K + dt λ_C) = 1 + Σ families (4 (dt/dt_K)² + 2 dt/dt_C)
@@ -22,13 +22,13 @@ use crate::physics::model::plan::{SOLVE_WORK, SchemeCost};
 use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::schemes::chebyshev::stages_for;
 
-// The weights of operations, in units of a link that is worked out in its box. Each was measured once, in the widest
-// vector instructions and on one thread: coupler-20, coupler-40, spot and cubes of 5, 10 and 20 cells.
+// The weights of operations, in units of a link evaluated in a box. Each was measured once, with the widest vector
+// instructions and on one thread: coupler-20, coupler-40, spot and cubes of 5, 10 and 20 cells.
 
-/// A link that is worked out from the list of a body that has no box.
+/// A link evaluated from the list of a body that has no box.
 const LINK_OF_LIST: f64 = 2.5;
 
-/// What a substep does for a particle beside its links: contact, integration, the way into the box and back.
+/// A particle in a substep, without its links: contact, integration, the way into the box and back.
 const PARTICLE: f64 = 25.0;
 
 /// A link in one iteration of the solver, in double precision and from the list.
@@ -40,17 +40,17 @@ const PARTICLE_OF_ITERATION: f64 = 15.0;
 /// Rounds of the solver in a step in which bodies may meet obstacles, on average over falls, landings and rest.
 const ROUNDS_AMONG_OBSTACLES: f64 = 1.5;
 
-/// Iterations that it takes for each cell along the body until one end tells of the other.
+/// Iterations for each cell along the body until information has crossed it.
 const ITERATIONS_A_CELL: f64 = 8.0;
 
-/// What a solve takes with coarse grids, in iterations without: a dozen, each of which costs twice as much.
+/// A solve with coarse grids, in iterations without: a dozen, each of which costs twice as much.
 const ITERATIONS_WITH_GRIDS: f64 = 25.0;
 
-/// `½ ln(2/ε)` for the share that a solution may miss.
+/// `½ ln(2/ε)` for the relative error ε that a solution may have.
 const ITERATIONS_A_ROOT: f64 = 5.0;
 
-/// What a scheme costs in substeps of this length; `semi_implicit` are the limits of semi-implicit Euler, `damping_rate` (1/s)
-/// is what the stabilised scheme has stages for.
+/// The cost of a scheme in substeps of this length; `semi_implicit` are the limits of semi-implicit Euler, `damping_rate`
+/// (1/s) sets the number of stages of the stabilised scheme.
 pub(super) fn of<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
@@ -69,7 +69,8 @@ pub(super) fn of<R: Real>(
 }
 
 impl SchemeCost {
-    /// About what the same costs bodies of the same materials that are as large as these `in_place_of` those.
+    /// Estimates the cost for bodies of the same materials but other sizes: `these`, `in_place_of` those that the cost is
+    /// for.
     #[must_use]
     pub fn of_bodies(self, these: &[LatticeCounts], in_place_of: &[LatticeCounts]) -> Self {
         let [of_link, of_particle] = match self.scheme {
@@ -82,7 +83,7 @@ impl SchemeCost {
     }
 }
 
-/// What it costs to work out the forces once, and to move by them.
+/// The cost of evaluating the forces once and of moving by them.
 fn evaluation<R: Real>(model: &Model<R>) -> f64 {
     let of_body = |body: &BodyModel<R>| {
         let link = if body.boxed_links.is_some() { 1.0 } else { LINK_OF_LIST };
@@ -91,7 +92,7 @@ fn evaluation<R: Real>(model: &Model<R>) -> f64 {
     model.bodies.iter().map(of_body).sum()
 }
 
-/// What it costs to solve the equations of a step, which have this condition number.
+/// The cost of solving the equations of a step, which have this condition number.
 fn solutions<R: Real>(model: &Model<R>, condition: f64) -> f64 {
     let by_condition = ITERATIONS_A_ROOT * condition.sqrt();
     let rounds = if model.obstacles.is_empty() { 1.0 } else { ROUNDS_AMONG_OBSTACLES };

@@ -1,5 +1,5 @@
-//! What springs add to the load of a step, and how far one of their values may go until the load is at its limit: by plane
-//! waves where a body is of one kind, by what each particle is held by where they differ by cell.
+//! The load of springs on a step, and how far one of their values may go until the load is at its limit: from plane waves
+//! where all cells are of one kind, from the links of each particle where springs differ by cell.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::physics::limits::{HOLDING_SHARE, LoadShare, angles_are_held, largest}
 use crate::physics::model::{BodyModel, CellKind, Composition};
 use crate::scene::Springs;
 
-/// The springs of a body, or of a part of it that is of its own, but for their values.
+/// The springs of a body, or of one of its parts or inlays, without their values.
 #[derive(Clone, Debug)]
 pub(super) struct SpringLoads {
     /// Families with links.
@@ -21,7 +21,7 @@ pub(super) struct SpringLoads {
     mixed: Option<Mixed>,
 }
 
-/// Springs that differ by cell, and which of them are meant.
+/// Springs that differ by cell, and which kind of them is meant.
 #[derive(Clone, Debug)]
 struct Mixed {
     loads: Arc<ParticleLoads>,
@@ -33,14 +33,14 @@ impl Mixed {
         Taken { kind: self.kind, values }
     }
 
-    /// The most that these springs and the others add.
+    /// The largest load of these springs together with the others.
     fn most(&self, springs: &Springs, of: Constant, weights: [f64; 3]) -> f64 {
         self.loads.most(self.taken(&spring_cell(springs)), of, weights)
     }
 }
 
 impl SpringLoads {
-    /// Those of a body itself.
+    /// The springs of a body itself.
     pub(super) fn of<R: Real>(model: &BodyModel<R>) -> Self {
         let mixed = match &model.composition {
             Composition::Springs { loads, .. } => Some(Mixed { loads: Arc::clone(loads), kind: 0 }),
@@ -53,8 +53,8 @@ impl SpringLoads {
         }
     }
 
-    /// Those of its material of this number, see [`Composition::Springs`]. None where no cell is of it, nor where all cells are
-    /// alike: they are of the body's own then.
+    /// The springs of the body's material of this number, see [`Composition::Springs`]. None where no cell is of it; where
+    /// all cells are alike, only the body's own has any.
     pub(super) fn of_number<R: Real>(model: &BodyModel<R>, number: usize) -> Option<Self> {
         let mut of = Self::of(model);
         let (Some(mixed), Composition::Springs { numbers, .. }) = (&mut of.mixed, &model.composition) else {
@@ -65,7 +65,8 @@ impl SpringLoads {
         Some(of)
     }
 
-    /// What a constant of the body's own springs is per unit mass of its particles and length of their links.
+    /// The factor from a constant of the body's own springs to the constant per unit mass of a particle and length of a
+    /// link.
     pub(super) fn per_value(&self, springs: &Springs) -> f64 {
         1.0 / (springs.particle_mass * self.cell_size)
     }
@@ -75,7 +76,8 @@ impl SpringLoads {
         self.others_are_held() && angles_are_held(self.stiffness(springs))
     }
 
-    /// The largest stiffness of a family that is safe, if these are the bounds where angles are not held and where they are.
+    /// The largest safe stiffness of a family, from the bounds for cells whose angles are free and for cells whose angles
+    /// are held.
     pub(super) fn largest_held(&self, springs: &Springs, family: Family, [free, held]: [f64; 2]) -> f64 {
         let [structural, shear, bending] = self.stiffness(springs);
         let others_are_held = self.others_are_held();
@@ -102,13 +104,13 @@ impl SpringLoads {
         })
     }
 
-    /// By family; none where it has no links.
+    /// Stiffness by family; zero without links.
     fn stiffness(&self, springs: &Springs) -> [f64; 3] {
         let of = |family: Family| if self.has_links[family as usize] { springs.family(family).stiffness } else { 0.0 };
         Family::ALL.map(of)
     }
 
-    /// The load of all.
+    /// The load of all families.
     pub(super) fn all(&self, springs: &Springs, share: &LoadShare) -> f64 {
         match &self.mixed {
             None => largest(&waves().tensors, self.of_families(springs, share)),
@@ -145,8 +147,8 @@ impl SpringLoads {
         }
     }
 
-    /// The largest value of a constant with which the load is no more than a limit, the others as they are in `springs`. Zero
-    /// where none is, infinite where all are.
+    /// The largest value of a constant with which the load is within a limit, the others as they are in `springs`. Zero
+    /// where no value is, infinite where every value is.
     pub(super) fn largest(
         &self,
         springs: &Springs,
@@ -190,13 +192,13 @@ impl SpringLoads {
         })
     }
 
-    /// What other springs than these have of stiffness over damping, at most, 1/s.
+    /// The largest stiffness over damping among the other springs, 1/s.
     pub(super) fn others_per_damping(&self) -> f64 {
         self.mixed.as_ref().map_or(0.0, |mixed| mixed.loads.per_damping_of_others(mixed.kind))
     }
 
-    /// What the load becomes where particles of these springs weigh so many times less, of springs that differ by cell: it falls
-    /// by less than in proportion, as others weigh what they did.
+    /// The load as a function of how many times lighter the particles of these springs are; none unless springs differ by
+    /// cell. It changes by less than in proportion, as the others keep their mass.
     pub(super) fn by_lightness<'a>(
         &'a self,
         springs: &Springs,

@@ -1,6 +1,6 @@
-//! Springs that differ by cell: a link has the mean of the constants of the cells that hold it, one that runs straight through
-//! a particle of those around both its halves, and a particle weighs the mean of the cells around it. So cells of the body's
-//! own springs are as if there were no others, at a surface too.
+//! Springs that differ by cell. A link has the mean constants of the cells that hold it; a link that runs straight through a
+//! particle has those of the cells around both its halves. A particle has the mean mass of the cells around it. So cells of
+//! the body's own springs are as if there were no others, at a surface too.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::physics::limits::particles::{MadeOf, Mixture, ParticleLoads};
 use crate::physics::model::{CellKind, Link, Values};
 use crate::scene::Springs;
 
-/// The cell of a body of springs alone: what its links have and its particles weigh.
+/// The cell of a body of these springs alone: the constants of its links and the mass of its particles.
 pub(in crate::physics) fn spring_cell(springs: &Springs) -> CellKind {
     let spring = Family::ALL.map(|family| springs.family(family));
     CellKind {
@@ -22,8 +22,8 @@ pub(in crate::physics) fn spring_cell(springs: &Springs) -> CellKind {
     }
 }
 
-/// The means over the cells, and what limits the step. `measured` are the lattice's links; `kind_of_cell` holds a place in
-/// `kinds` for every cell of the lattice, of which the first is the body's own.
+/// The means over the cells, and the loads that limit the step. `measured` are the lattice's links; `kind_of_cell` holds a
+/// place in `kinds` for every cell of the lattice; the first kind is the body's own.
 pub(super) fn springs_by_cell<R: Real>(
     kinds: Vec<CellKind>,
     kind_of_cell: &Values<u8>,
@@ -60,7 +60,7 @@ pub(super) fn springs_by_cell<R: Real>(
     (Assembled { particle_mass, masses: Values::Each(masses), links }, loads)
 }
 
-/// The cells that hold a link, those around the one half and then those around the other where it has two.
+/// The cells that hold a link: of one with two halves, first those around the one half, then those around the other.
 fn holders_of(
     [low, high]: [u32; 2],
     family: Family,
@@ -76,7 +76,7 @@ fn holders_of(
     first.chain(second.into_iter().flatten())
 }
 
-/// The mean of two values of kinds of cells.
+/// The means of two values over the kinds of a mixture.
 fn mean(mixture: &Mixture, kinds: &[CellKind], of: impl Fn(&CellKind) -> [f64; 2]) -> [f64; 2] {
     mixture.iter().fold([0.0; 2], |sum, &(kind, share)| {
         let values = of(&kinds[usize::from(kind)]);
@@ -84,7 +84,7 @@ fn mean(mixture: &Mixture, kinds: &[CellKind], of: impl Fn(&CellKind) -> [f64; 2
     })
 }
 
-/// Of which kinds a class is the mean.
+/// The kinds of a class with their shares.
 fn mixture((count, held): &ClassKey) -> Mixture {
     present(held).map(|(kind, cells)| (kind, f64::from(cells) / f64::from(*count))).collect()
 }

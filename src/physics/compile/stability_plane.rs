@@ -8,8 +8,8 @@
 //!           └────────────┴─────► damping (1/s)
 //! ```
 //!
-//! Of springs the plane is that of one family, where none is asked for the one that limits the step most, and the others
-//! stay as they are. Of a solid all links scale together, and the axes are those of its structural ones.
+//! For springs the plane is that of one family, by default the one that limits the step most; the other families stay as
+//! they are. For a solid all links scale together, and the axes are those of its structural ones.
 
 use super::assembly::solid_cell;
 use super::safe_values::{host_size, other_loads};
@@ -41,17 +41,18 @@ pub struct StabilityPlane {
     step: StepSettings,
 }
 
-/// Which values the axes are.
+/// The values along the axes.
 #[derive(Clone, Debug)]
 enum Values {
     /// Of one family of springs, and the family that limits the step most.
     Springs { springs: Springs, loads: SpringLoads, family: Family, limiting: Family, per_value: f64 },
-    /// Of a solid: where it is, the place's damping at damping ratio 1, loads per place, and those of the other solids in it.
+    /// Of a solid: its place, the place's damping at damping ratio 1, the load per stiffness of the plane, and the loads of
+    /// the other solids in it.
     Solid { solid: Solid, place: Place, critical_damping: f64, load: f64, others: CellLoads },
 }
 
 impl StabilityPlane {
-    /// The plane of a body that was compiled to `model`; of springs that of `family`, where it has links.
+    /// The plane of a body that was compiled to `model`; for springs that of `family`, where it has links.
     pub fn of<R: Real>(body: &Body, model: &BodyModel<R>, step: StepSettings, family: Option<Family>) -> Self {
         let shares: Option<Vec<_>> = load_shares(step.scheme(), step.dt_secs, Margin::NONE).map(Iterator::collect);
         let values = match &body.material {
@@ -66,7 +67,7 @@ impl StabilityPlane {
         Self { values, shares, step }
     }
 
-    /// The step that it is of.
+    /// The step that the plane is for.
     pub fn step(&self) -> StepSettings {
         self.step
     }
@@ -87,8 +88,8 @@ impl StabilityPlane {
         }
     }
 
-    /// Whose plane to show once the body has another material: that of the same family, unless a person has turned to
-    /// another one.
+    /// The family whose plane to show once the body has another material: the same one, unless only the values of another
+    /// one have changed.
     pub fn family_after(&self, material: &Material) -> Option<Family> {
         let (Values::Springs { springs, family, .. }, Material::Springs(now)) = (&self.values, material) else {
             return None;
@@ -109,7 +110,7 @@ impl StabilityPlane {
         }
     }
 
-    /// The material with these values; what would be outside a parameter's range ends at it.
+    /// The material with these values; they are kept within their parameters' ranges.
     pub fn material_at(&self, at: Place) -> Material {
         match &self.values {
             Values::Springs { springs, family, per_value, .. } => {
@@ -163,7 +164,7 @@ impl StabilityPlane {
         (end_of_stiffness.is_finite() && damping > 0.0).then_some(Place { damping: end, stiffness: end_of_stiffness })
     }
 
-    /// How near the whole body is to its limit, as a load of which 1 is the most: to compare bodies, whatever the scheme.
+    /// The load of the whole body over its limit with the default scheme: to compare bodies, whatever the scheme in use.
     pub fn load(&self) -> f64 {
         self.values.load(LoadShare::of_default(self.step.dt_secs)) / LATTICE_LIMIT
     }
@@ -217,7 +218,7 @@ impl Values {
         }
     }
 
-    /// The largest safe stiffness, if these are the bounds where the angles of cells are not held and where they are.
+    /// The largest safe stiffness, from the bounds for cells whose angles are free and for cells whose angles are held.
     fn largest_held(&self, bounds: [f64; 2]) -> f64 {
         match self {
             Self::Springs { springs, loads, family, per_value, .. } => {
@@ -227,7 +228,7 @@ impl Values {
         }
     }
 
-    /// Of the damping that the plane is over, s.
+    /// The load per damping of the plane, s.
     fn damping_share(&self, share: &LoadShare) -> f64 {
         match self {
             Self::Springs { family, .. } => share.damping[*family as usize],

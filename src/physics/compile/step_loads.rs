@@ -1,4 +1,4 @@
-//! The loads of a step that have to stay below their limit: what contact takes of them, and how much lighter a body may be.
+//! The loads of a step that have to stay below their limit: the share of contact, and how much lighter a body may be.
 
 use crate::geometry::Family;
 use crate::math::Real;
@@ -11,17 +11,17 @@ use crate::scene::material::Spring;
 use crate::scene::obstacle::ContactStiffness;
 use crate::scene::settings::{ContactRule, Integrator};
 
-/// The step that bounds are asked for.
+/// The step that bounds are for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepSettings {
     /// Its length, s.
     pub dt_secs: f64,
-    /// What takes it.
+    /// The scheme that takes it.
     pub integrator: Integrator,
 }
 
 impl StepSettings {
-    /// The step that a scene asks for.
+    /// The step in a scene's settings.
     pub fn of(scene: &Scene) -> Self {
         Self { dt_secs: scene.settings.dt, integrator: scene.settings.integrator }
     }
@@ -30,12 +30,12 @@ impl StepSettings {
         self.integrator.into()
     }
 
-    /// What automatic stepping keeps of the limit of a body whose cells' angles are held, or are not.
+    /// The margin of automatic stepping for a body whose cells' angles are held, or are not.
     pub(super) fn margin(self, angles_are_held: bool) -> Margin {
         Margin::of(self.scheme(), angles_are_held)
     }
 
-    /// How many times its damping a link's stiffness may be, 1/s, where the scheme asks for that.
+    /// The largest stiffness over damping of a link, 1/s, where the scheme limits that.
     pub(super) fn stiffness_per_damping(self) -> Option<f64> {
         // It follows from the margin of stiffness, which is the same with both.
         most_stiffness_per_damping(self.scheme(), self.dt_secs, self.margin(true))
@@ -49,13 +49,13 @@ impl LoadShare {
     }
 }
 
-/// What contact leaves of the limit, of which it takes a share as links do: that of the thesis (GC §5.2) as a spring by its
-/// stiffness over the mass of the lightest particle, 1/s²; the other where it pushes at the stages of the scheme.
+/// What contact takes of the limit, as links do: by the thesis's rule (GC §5.2) as a spring, by its stiffness over the mass
+/// of the lightest particle, 1/s²; by the other rule where it pushes at the stages of the scheme.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactLoad {
     /// Of obstacles whose stiffness follows from the mass: the same whatever that is.
     following: ObstacleLoad,
-    /// Of obstacles whose stiffness is given: the less, the more mass there is.
+    /// Of obstacles whose stiffness is given: it falls as the mass grows.
     given: ObstacleLoad,
 }
 
@@ -74,7 +74,7 @@ impl ObstacleLoad {
 }
 
 impl ContactLoad {
-    /// Of a body of the scene that its model was compiled from.
+    /// The load of contact on a body of the scene that its model was compiled from.
     pub fn of<R: Real>(body: &BodyModel<R>, scene: &Scene) -> Self {
         let mut load = Self::default();
         let is_thesis = scene.settings.contact == ContactRule::Thesis;
@@ -96,7 +96,7 @@ impl ContactLoad {
         self.following.max(self.given)
     }
 
-    /// How many times the mass there must be at least, where stiffness may be so many times its damping (1/s).
+    /// The least factor of the mass where stiffness over damping may be `per_damping` (1/s) at most.
     pub(super) fn least_mass(self, per_damping: f64) -> f64 {
         let [following, given] = [self.following, self.given].map(|load| load.pushes.stiffness_per_damping);
         if following > per_damping { f64::INFINITY } else { (given / per_damping) * (given / per_damping) }
@@ -121,8 +121,8 @@ impl Load {
         LATTICE_LIMIT - self.of(self.contact.now())
     }
 
-    /// How many times 1/mass may be, where links add this to the load now: `stiff` falls as the mass grows, `damped` as
-    /// its root does.
+    /// The largest factor of 1/mass. The links add `stiff` and `damped` to the load now: the former grows with 1/mass, the
+    /// latter with its root.
     pub(super) fn times_lighter(&self, stiff: f64, damped: f64) -> f64 {
         let of_following = LATTICE_LIMIT - self.of(self.contact.following);
         let given = self.contact.given;
@@ -134,7 +134,7 @@ impl Load {
         ))
     }
 
-    /// The same where `links` says what these add with so many times 1/mass.
+    /// The same where `links` is what the links add for a factor of 1/mass.
     pub(super) fn times_lighter_by(&self, links: impl Fn(f64) -> f64) -> f64 {
         let of_following = LATTICE_LIMIT - self.of(self.contact.following);
         let given = self.contact.given;
@@ -158,7 +158,7 @@ impl Load {
     }
 }
 
-/// How far apart, as powers of two, a mass and what it may be are looked for.
+/// Factors of 1/mass are searched from two to the power of minus this up to two to the power of this.
 const FARTHEST: f64 = 60.0;
 
 /// The loads of a step.
@@ -174,8 +174,8 @@ pub(super) fn loads(step: StepSettings, contact: ContactLoad, angles_are_held: b
     }
 }
 
-/// Stiffness grows with E/ρ, damping with z √(E/ρ): how many times E/ρ may be what it is until stiff x² + damped x is the
-/// limit, for the root x of that.
+/// The largest factor of E/ρ, x², with which stiff x² + damped x is within the limit: stiffness grows with E/ρ, damping with
+/// z √(E/ρ).
 pub(super) fn times_within(stiff: f64, damped: f64, limit: f64) -> f64 {
     if limit <= 0.0 {
         return 0.0;

@@ -13,7 +13,7 @@ pub(super) struct Waves {
     alone: Vec<[f64; 3]>,
 }
 
-/// They are the same for every lattice.
+/// The waves, which are the same for every lattice.
 pub(super) fn waves() -> &'static Waves {
     static WAVES: OnceLock<Waves> = OnceLock::new();
     WAVES.get_or_init(|| {

@@ -1,10 +1,10 @@
-//! What a particle and the springs of its contacts have, and what moving obstacles give them.
+//! Energy of a particle and the springs of its contacts, and the work that moving obstacles do on them.
 
 use super::record::ContactRecord;
 use crate::math::{Real, Vector};
 use crate::physics::model::ContactModel;
 
-/// The energy of a particle with a velocity and of the springs of its contacts after `secs` with it, J.
+/// Returns the energy of a particle with this velocity and of the springs of its contacts after `secs` of it, J.
 pub(super) fn energy<R: Real>(
     velocity: R::Vec3,
     secs: R,
@@ -18,7 +18,7 @@ pub(super) fn energy<R: Real>(
     })
 }
 
-/// What moving obstacles do to a particle with the forces found so far, J.
+/// Returns the work that moving obstacles do on a particle with the forces found so far, J.
 pub(super) fn work<R: Real>(dt: R, found: &[ContactRecord<R>]) -> R {
     found.iter().fold(R::ZERO, |sum, record| sum + record.force.dot(record.surface_velocity) * dt)
 }

@@ -6,12 +6,12 @@ use crate::math::{Real, Vector};
 use crate::physics::model::{BodyModel, Carry, Model, ObstacleModel};
 use crate::physics::state::moving::Approach;
 
-/// How fast an obstacle on its way speeds up and slows down, body sizes a second squared: out of half a body of any size
-/// it takes 0.7 s.
+/// How fast an obstacle on its way speeds up and slows down, body sizes per second squared. To get out of half a body takes
+/// 0.7 s, whatever the body's size.
 pub(super) const ACCELERATION: f64 = 4.0;
 
 impl Approach {
-    /// The speed in the next `secs` and the way that is made in them, m.
+    /// Returns the speed in the next `secs` and the distance covered in them, m.
     pub(super) fn next<R: Real>(&self, body: &BodyModel<R>, secs: f64) -> (f64, f64) {
         if self.waits {
             return (0.0, 0.0);
@@ -22,7 +22,7 @@ impl Approach {
     }
 }
 
-/// An obstacle where the body of an approach meets it in the next `secs`.
+/// Returns an obstacle where the body of an approach meets it in the next `secs`.
 pub(super) fn met<R: Real>(
     approach: &Approach,
     model: &Model<R>,

@@ -1,7 +1,7 @@
 //! Obstacles that were put where a body is: by a typed value, by undo, by a new obstacle or a body put elsewhere.
 //!
-//! An obstacle that suddenly is inside a body would tear it apart. So the body meets it further back on a straight way,
-//! where it only just does not touch, and the obstacle comes from there to its place and moves the body out whole:
+//! An obstacle that suddenly is inside a body would tear it apart. So the body meets the obstacle further back on a straight
+//! way, where the two just do not touch. The obstacle comes from there to its place and moves the body out whole:
 //!
 //! ```text
 //!   put here      met there      comes            is there
@@ -11,10 +11,10 @@
 //!    left = 0.5     left = 0.5      left = 0.2      left = 0
 //! ```
 //!
-//! It is the shortest way out, where a way down counts four times as there may be a floor; a plane that carries a body
-//! goes on carrying it. The obstacle speeds up and slows down by no more than `ACCELERATION` and waits as long as it
-//! would have to press harder than `PRESS`: a body that cannot get out is left alone. All of it follows from the
-//! state, so that a saved motion goes on bit for bit.
+//! The obstacle takes the shortest way; a way down counts four times, as there may be a floor. A plane that carries a body
+//! goes on carrying it. The obstacle speeds up and slows down by no more than `ACCELERATION`, and waits as long as it would
+//! have to press harder than `PRESS`: a body that cannot get out is left alone. All of this follows from the state, so
+//! that a saved motion resumes bit for bit.
 
 use glam::DVec3;
 
@@ -29,16 +29,16 @@ use crate::physics::model::{BodyModel, MeshModel, Model, ObstacleModel, Obstacle
 use crate::physics::state::State;
 use crate::physics::state::moving::Approach;
 
-/// An obstacle presses a body no harder than with so many times the body's weight, which it has also where gravity is
-/// weaker than `ACCELERATION`.
+/// An obstacle presses a body with at most this many times the body's weight. Where gravity is weaker than `ACCELERATION`,
+/// the weight is taken with that.
 const PRESS: f64 = 3.0;
 
-/// The share of that at which one that waits goes on.
+/// An obstacle that waits goes on when the press falls to this share of that.
 const RELEASE: f64 = 0.5;
 
-/// After `state` was fitted to the obstacles of `new`: those that are elsewhere than in `old` at once come gently to the
-/// bodies they would be inside of. `kept` names, for each obstacle, the one it was, `placed` has them where they are now. Those that sweep get there by
-/// themselves.
+/// Begins approaches after `state` was fitted to the obstacles of `new`: obstacles that suddenly are elsewhere than in `old`
+/// come gently to the bodies they would be inside of. Those that sweep get there without an approach. `kept` names, for each
+/// obstacle, the one it was; `placed` has the obstacles where they are now.
 pub(in crate::physics) fn begin<R: Real>(
     old: &Placed<R>,
     new: &Model<R>,
@@ -72,8 +72,8 @@ pub(in crate::physics) fn begin<R: Real>(
     state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
 }
 
-/// Whether an obstacle is where it was, or sweeps from there: `kept` names, for each, the one it was; one that it does not
-/// name is new.
+/// Whether an obstacle is where it was, or sweeps from there. `kept` names, for each obstacle, the one it was; none for a new
+/// one.
 pub(in crate::physics) fn stays<R: Real>(
     old: &Placed<R>,
     placed: &Placed<R>,
@@ -86,7 +86,8 @@ pub(in crate::physics) fn stays<R: Real>(
     was.is_some_and(|was| sweeps || is_same_place(&old.all()[was].shape, &placed.all()[obstacle].shape))
 }
 
-/// A body was put elsewhere, or meets them with something else: obstacles that it would be in come gently to it.
+/// Begins approaches for a body that was put elsewhere, or now meets obstacles with other points: obstacles that it would be
+/// inside of come gently to it.
 pub(in crate::physics) fn begin_for<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -107,7 +108,7 @@ pub(in crate::physics) fn begin_for<R: Real>(
     state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
 }
 
-/// Particles of a body go on touching a plane on the side to which it moves the body out, and on no other. `side` has the
+/// Lets the particles of a body go on touching a plane only on the side to which the plane moves the body out. `side` has the
 /// state's rows.
 fn keep_side<R: Real>(
     body: &BodyModel<R>,
@@ -124,7 +125,7 @@ fn keep_side<R: Real>(
     }
 }
 
-/// Counts `secs` in which obstacles came, and made the contacts that were found.
+/// Advances the approaches by `secs`. An obstacle waits if the contacts found in that time press too hard.
 pub(in crate::physics) fn pass<R: Real>(
     model: &Model<R>,
     workspace: &ContactWorkspace<R>,

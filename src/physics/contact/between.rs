@@ -1,4 +1,4 @@
-//! A particle between several obstacles: the velocity that none of them forbids, and who did what to bring it there.
+//! A particle between several obstacles: the velocity that none of them forbids, and the force of each that brings it there.
 
 use super::account::energy;
 use super::candidate::Candidate;
@@ -7,13 +7,13 @@ use super::response;
 use crate::math::{Real, Vector};
 use crate::physics::model::ContactModel;
 
-/// Rounds in which a particle between several obstacles may look for a velocity; then it stops dead.
+/// Rounds in which a velocity is looked for; then the particle stops dead, or rides along with an obstacle that moves.
 const ROUNDS: usize = 4;
 
 impl<R: Real> Candidate<'_, R> {
-    /// Whether the particle and the springs of obstacles that stand still would have more energy with this velocity than
-    /// with the `predicted` one before them. Where the limit of one obstacle leads into a stiff other one, no velocity is
-    /// a minimum of the springs' energy; standing still gives neither more than it has.
+    /// Whether the particle and its springs would end with more energy at this velocity than they began with at the
+    /// `predicted` one; false where an obstacle moves. Where the depth limit of one obstacle leads into a stiff other one,
+    /// no velocity is a minimum of the springs' energy; standing still gives neither particle nor springs any more.
     pub(super) fn gains(
         &mut self,
         predicted: R::Vec3,
@@ -32,12 +32,12 @@ impl<R: Real> Candidate<'_, R> {
             before += contact.energy(-surface.gap);
             after += contact.energy(-(surface.gap + velocity.dot(surface.normal) * self.substep.dt));
         }
-        // The tolerance is rounding.
+        // The tolerance is for rounding error.
         after - before > R::from_f64(1e-4) * before
     }
 
-    /// A push from one obstacle may lead into another: looks for a velocity that no obstacle forbids. Standing still
-    /// is one where all obstacles do; riding along with the one that moves is the way out where one pushes.
+    /// Looks for a velocity that no obstacle forbids, as a push from one may lead into another. Where the rounds find none,
+    /// the particle stands still if all obstacles do, else it rides along with one that moves.
     pub(super) fn allowed_by_all(&mut self, mut velocity: R::Vec3, contacts: &[ContactModel<R>]) -> R::Vec3 {
         let mut riding = R::Vec3::ZERO;
         for _ in 0..ROUNDS {
@@ -46,7 +46,7 @@ impl<R: Real> Candidate<'_, R> {
                 let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
                 let slowest = response::deepest_velocity(&surface, contact, self.substep.dt);
                 let along = (velocity - surface_velocity).dot(surface.normal);
-                // The tolerance is rounding: a corrected velocity must not count as forbidden again.
+                // The tolerance is for rounding error: a corrected velocity must not count as forbidden again.
                 let speeds = along.abs() + slowest.abs() + surface_velocity.length();
                 if along < slowest - R::from_f64(1e-6) * speeds {
                     velocity += surface.normal * (slowest - along);
@@ -63,12 +63,12 @@ impl<R: Real> Candidate<'_, R> {
         riding
     }
 
-    /// Shares out what brought a particle from the `velocity` that the springs of its obstacles leave it to the one that
-    /// all of them allow, among the forces in `found`.
+    /// Shares out among the forces in `found` the force that brings a particle from the `velocity` that the springs leave it
+    /// to the `allowed` one.
     ///
-    /// An obstacle that moves carries the particle along. What particle and springs have more than they `had`, J, that
-    /// obstacle gave: one that stands still holds against and does no work. So where its push does less work than that, it
-    /// presses the particle harder against what stands.
+    /// A moving obstacle carries the particle along. The energy that particle and springs have beyond what they `had`, J,
+    /// comes from that obstacle, as one that stands still does no work. So where its push does less work than that, it
+    /// presses the particle harder against an obstacle that stands still.
     pub(super) fn share_out(
         &self,
         had: R,

@@ -15,7 +15,7 @@ use crate::physics::state::State;
 use crate::physics::step::substep::Substep;
 use crate::physics::team;
 
-/// What the broad phase finds of one body.
+/// Result of the broad phase for one body.
 #[derive(Clone, Debug)]
 pub(super) struct Near<R: Real> {
     /// The obstacles that the body's motion in this substep may meet, ascending.
@@ -26,15 +26,15 @@ pub(super) struct Near<R: Real> {
     reach: R,
     /// The particles that may meet one of the obstacles, by their numbers in the body, ascending, a few at a time.
     pub(super) particles: Vec<Range<usize>>,
-    /// Of the group under work: meshes that stand still and are near, and whether anything else is.
+    /// For the group being tested: the meshes near it that stand still, and whether any other obstacle is near it.
     meshes: Vec<u32>,
     meets_more_than_meshes: bool,
-    /// What is known of particles far from meshes.
+    /// Known distances of the particles from meshes.
     far: Far<R>,
 }
 
 impl<R: Real> Near<R> {
-    /// Room for a body of so many particles.
+    /// Makes room for a body of this many particles.
     pub(super) fn new(model: &Model<R>, particles: usize) -> Self {
         Self {
             obstacles: Vec::with_capacity(model.obstacles.len()),
@@ -47,8 +47,8 @@ impl<R: Real> Near<R> {
         }
     }
 
-    /// Finds what is within `reach` (m) of the body `number`, whose particles move with these velocities. `touches` tells of an
-    /// obstacle whether it is near without a look at boxes.
+    /// Finds the obstacles within `reach` (m) of the body `number`, whose particles move with these velocities. `touches` tells
+    /// whether an obstacle counts as near without a test of boxes.
     pub(super) fn find(
         &mut self,
         Substep { model, plan, state, obstacles, dt, .. }: Substep<'_, R>,
@@ -82,8 +82,9 @@ impl<R: Real> Near<R> {
         );
     }
 
-    /// Finds the particles that may meet one of these obstacles: of the groups whose motion comes near one, or which touch one,
-    /// the few that do, and that are not known to be far from meshes. What is `known` is that of the body's particles.
+    /// Finds the particles that may meet one of these obstacles. Takes the groups that touch one or whose motion comes near one,
+    /// and of them each few that do so themselves and are not known to be far from meshes. `known` holds the cached search
+    /// results of the body's particles.
     pub(super) fn find_particles(
         &mut self,
         substep: Substep<'_, R>,
@@ -104,7 +105,7 @@ impl<R: Real> Near<R> {
             for first in all.clone().step_by(FEW) {
                 let few = first..all.end.min(first + FEW);
                 if self.meets_more_than_meshes {
-                    // Next to each other in a group are particles of many layers, of which one touches the ground.
+                    // A group holds particles of many layers, of which only one touches the ground.
                     if self.are_near(substep, number, few.clone(), velocity) {
                         self.particles.push(few);
                     }
@@ -149,7 +150,7 @@ impl<R: Real> Near<R> {
             if self.meets_more_than_meshes || !self.is_near(substep, number, group, near) {
                 continue;
             }
-            // One that moves comes towards them.
+            // A mesh that moves comes towards the particles.
             let ObstacleModel { shape, carry, .. } = substep.obstacles.met(number, near as usize);
             if matches!(shape, ObstacleShape::Mesh(_)) && carry.is_none() {
                 self.meshes.push(near);
@@ -169,14 +170,14 @@ impl<R: Real> Near<R> {
         touches(&obstacle.shape, substep.state, first..own.end.min(first + GROUP))
     }
 
-    /// Whether the motion of a group in the box around an obstacle may come near the obstacle itself, as far as is known
-    /// without a look at every particle.
+    /// Whether the motion of a group in the box around an obstacle may come near the obstacle itself. Does not look at every
+    /// particle.
     fn may_reach(&self, obstacle: &ObstacleModel<R>, group: usize) -> bool {
         let ObstacleShape::Mesh(mesh) = &obstacle.shape else { return true };
         let bounds = &self.groups[group];
         let margin = rounding_margin(mesh, bounds.center()) * R::from_f64(2.0);
         let half = (bounds.size().length() * R::from_f64(0.5) + self.reach + margin).to_f64();
-        // One that moves comes towards them.
+        // A mesh that moves comes towards the particles.
         obstacle.carry.is_some() || !mesh.surface.is_beyond(mesh.own(bounds.center()), half / mesh.length)
     }
 }

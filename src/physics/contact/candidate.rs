@@ -1,5 +1,5 @@
-//! Contact candidates: the particles of a body that is near an obstacle, what each of them meets, and with which velocity
-//! it goes on.
+//! Contact candidates: the particles of a body that is near an obstacle, the obstacles that each of them meets, and the
+//! velocity that these leave it.
 
 use super::account;
 use super::broad;
@@ -29,9 +29,9 @@ pub(in crate::physics) fn respond<R: Real>(
     Candidates { substep, workspace, recorder }.resolve_all(velocity);
 }
 
-/// Changes the velocities that move particles where those at the end of the substep are others. What has met an
-/// obstacle already moves with the velocity at the end of the substep; one that only its path leads into an obstacle, or
-/// that velocity where nothing had pushed it, is stopped there, and what stops it changes its velocity too.
+/// Changes the velocities that move particles, in schemes where they differ from the velocities at the end of the substep.
+/// Except in the stabilised scheme, a particle that has met an obstacle moves with its velocity at the end. A particle that
+/// nothing has pushed may be led into an obstacle by its path: it is stopped there, and its velocity changes too.
 pub(in crate::physics) fn respond_to_paths<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
@@ -68,12 +68,13 @@ pub(super) struct Candidates<'a, 'r, R: Real> {
 }
 
 impl<R: Real> Candidates<'_, '_, R> {
-    /// Resolves all velocities but of the particles that are known to meet something.
+    /// Resolves the velocities of all particles except those already in contact.
     pub(super) fn resolve_all(&mut self, velocity: &mut [R::Vec3]) {
         self.resolve_with(velocity, None, |_, _, _| ());
     }
 
-    /// The same, where each change changes another velocity of the particle: `changed` is given that, and what the one was and is.
+    /// Does the same, and passes each change on to another velocity of the particle: `changed` gets that velocity, and the
+    /// resolved velocity before and after.
     fn resolve_with(
         &mut self,
         velocity: &mut [R::Vec3],
@@ -131,8 +132,8 @@ impl<R: Real> Candidates<'_, '_, R> {
     }
 }
 
-/// Resolves the velocities of one body's particles near which there are obstacles, but of those in `met`, and tells of each change
-/// with the other velocity of the particle.
+/// Resolves the velocities of one body's particles that are near obstacles, except those in `met`. Calls `changed` with the
+/// other velocity of each particle.
 fn resolve_body<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
@@ -171,18 +172,18 @@ pub(super) struct Candidate<'a, R: Real> {
     /// The body's place among the bodies.
     pub(super) body: usize,
     pub(super) particle: usize,
-    /// What is known of this particle and every mesh.
+    /// Cached search results of this particle, by mesh.
     known: &'a mut [Known],
     pub(super) tests: Tests,
 }
 
 impl<'a, R: Real> Candidate<'a, R> {
-    /// What is `known` is that of the particle and every mesh.
+    /// `known` holds the cached search results of the particle, by mesh.
     pub(super) fn new(substep: Substep<'a, R>, body: usize, particle: usize, known: &'a mut [Known]) -> Self {
         Self { substep, body, particle, known, tests: Tests::default() }
     }
 
-    /// The velocity the obstacles leave this particle; what pushed is recorded.
+    /// Returns the velocity that the obstacles leave this particle, and records the obstacles that it meets.
     pub(super) fn resolve(
         &mut self,
         predicted: R::Vec3,
@@ -219,8 +220,8 @@ impl<'a, R: Real> Candidate<'a, R> {
             if allowed != velocity {
                 self.note_led_into(allowed, contacts.len(), first_record, records);
                 let (dt, found) = (self.substep.dt, &mut records[first_record..]);
-                // At the start, without what forces are about to give a particle that is held; or after the springs had
-                // their way, which takes some of it.
+                // The least of three energies: with the predicted velocity, with the velocity at the start, which lacks
+                // what forces are about to give a held particle, and after the springs, which take some of it.
                 let began = [predicted, self.substep.state.velocity[self.particle]]
                     .map(|velocity| account::energy(velocity, R::ZERO, mass, contacts, found));
                 let began = began[0].min(began[1]) + account::work(dt, found);
@@ -232,9 +233,9 @@ impl<'a, R: Real> Candidate<'a, R> {
         velocity
     }
 
-    /// The velocity that obstacles leave which the particle meets with this one and has not met before, each by itself;
-    /// writes down what it meets. What pushes it out of one may lead it into the next, so this is asked until it meets no
-    /// more.
+    /// Applies every obstacle that the particle meets with this velocity and has not met before, one after the other, and
+    /// records it. Returns the velocity that they leave. A push out of one obstacle may lead into the next, so the caller
+    /// repeats this until nothing new is met.
     fn meet(
         &mut self,
         mut velocity: R::Vec3,
@@ -246,7 +247,7 @@ impl<'a, R: Real> Candidate<'a, R> {
     ) -> R::Vec3 {
         for (number, obstacle) in (0u32..).zip(0..contacts.len()) {
             let own = &records[first_record..];
-            // A pushed particle leaves the motion that was found near these obstacles only: it may meet any.
+            // A push takes the particle off the motion for which `near` was found: it may meet any obstacle.
             if own.iter().any(|record| record.obstacle == obstacle) || own.is_empty() && !near.contains(&number) {
                 continue;
             }
@@ -257,7 +258,7 @@ impl<'a, R: Real> Candidate<'a, R> {
             let (contact, obstacle_met) = (&contacts[obstacle], &self.substep.model.obstacles[obstacle]);
             let past = velocity - surface_velocity;
             let after = response::respond(&surface, contact, obstacle_met, friction, mass, self.substep.dt, past);
-            // What is not pushed keeps its velocity to the last bit, however fast the surface is.
+            // A particle that is not pushed keeps its velocity to the last bit, however fast the surface is.
             if after != past {
                 velocity = after + surface_velocity;
             }
@@ -275,8 +276,8 @@ impl<'a, R: Real> Candidate<'a, R> {
         velocity
     }
 
-    /// Writes down obstacles that the particle meets only with the velocity that all of them `allowed`: their springs hold
-    /// what others press into them, and a plane remembers the side that the particle came from.
+    /// Records obstacles that the particle meets only with the velocity that all of them `allowed`: their springs take up
+    /// what the others press into them, and a plane remembers the side that the particle came from.
     fn note_led_into(
         &mut self,
         allowed: R::Vec3,
@@ -295,7 +296,7 @@ impl<'a, R: Real> Candidate<'a, R> {
         }
     }
 
-    /// The narrow phase, if this particle's motion comes near the obstacle at all, and the velocity of the surface.
+    /// Runs the narrow phase if this particle's motion comes near the obstacle. Returns the surface and its velocity.
     pub(super) fn surface(&mut self, obstacle: usize, velocity: R::Vec3) -> Option<(Surface<R>, R::Vec3)> {
         let met @ ObstacleModel { shape, bounds, .. } = self.substep.obstacles.met(self.body, obstacle);
         let from = self.substep.state.position[self.particle];

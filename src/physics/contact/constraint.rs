@@ -3,19 +3,19 @@
 
 use glam::{DMat3, DVec3};
 
-/// A friction that misses Coulomb's by no more than this share of it is right.
+/// Relative tolerance: friction this close to Coulomb's law counts as right.
 const FRICTION_TOLERANCE: f64 = 1e-3;
 
-/// How many times what a particle and its links resist with the limit of its depth does: what it misses of it is that
-/// much less than what it was in the way of, and is taken away after the solve.
+/// How many times stiffer the depth limit is than the particle and its links. The solution exceeds the limit by that much
+/// less than it would without it; the rest is taken away after the solve.
 const HOLD: f64 = 1e4;
 
 /// A particle at an obstacle within one implicit substep, in double precision.
 ///
 /// With the sliding velocity s and the limit `L = μ N`, the impulse of friction −λ is to fulfil `λ r = L s` with `r² =
 /// s² + creep²`: Coulomb's law but for a creep. Newton's method on that equation with both s and λ as unknowns, made
-/// symmetric, finds its way over many decades of s where Newton's method on s alone loses it, and is positive definite
-/// as long as no λ is longer than L (Chan, Golub and Mulet, "A nonlinear primal-dual method for total variation-based
+/// symmetric, converges over many decades of s where Newton's method on s alone fails, and is positive definite as long
+/// as no λ is longer than L (Chan, Golub and Mulet, "A nonlinear primal-dual method for total variation-based
 /// image restoration", 1999).
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct ContactConstraint {
@@ -32,13 +32,13 @@ pub(in crate::physics) struct ContactConstraint {
     pub(super) push: f64,
     /// The least velocity along the normal that ends the substep no deeper than the limit, or than where it began, m/s.
     pub(super) slowest: f64,
-    /// What resists to less than that, kg; nothing as long as it is not known what the particle itself resists with.
+    /// Impulse per velocity below `slowest`, kg; zero until the resistance of the particle itself is known.
     pub(super) hold: f64,
     /// Coulomb's coefficient in this substep.
     pub(super) friction: f64,
-    /// m/s.
+    /// The creep in `r`, m/s.
     pub(super) creep: f64,
-    /// m/s.
+    /// The sliding speed up to which the particle counts as stopped, m/s.
     pub(super) stopped: f64,
     /// Whether it pushes; otherwise the particle leaves.
     pub(super) pushes: bool,
@@ -46,9 +46,9 @@ pub(in crate::physics) struct ContactConstraint {
     pub(super) is_held: bool,
     /// The normal impulse, N·s.
     pub(super) normal_impulse: f64,
-    /// λ, N·s: against the impulse of friction.
+    /// λ, N·s: the impulse of friction with its sign reversed.
     pub(super) drag: DVec3,
-    /// What it takes from a particle's momentum per velocity, kg: symmetric.
+    /// Momentum that it takes from the particle per velocity, kg: symmetric.
     pub(super) matrix: DMat3,
     /// The impulse on a particle that has the velocity of the surface, N·s.
     pub(super) bias: DVec3,
@@ -57,23 +57,23 @@ pub(in crate::physics) struct ContactConstraint {
 }
 
 impl ContactConstraint {
-    /// What it takes from a particle's momentum per velocity, kg: symmetric, not negative.
+    /// Returns the momentum that it takes from the particle per velocity, kg: symmetric, not negative.
     pub(in crate::physics) fn matrix(&self) -> &DMat3 {
         &self.matrix
     }
 
-    /// The impulse on a particle of this velocity by the equations as they were set up last, N·s.
+    /// Returns the impulse on a particle of this velocity by the equations as last set up, N·s.
     pub(in crate::physics) fn impulse(&self, velocity: DVec3) -> DVec3 {
         self.bias - self.matrix * (velocity - self.surface_velocity)
     }
 
-    /// The same by the laws of contact and friction, with Coulomb's limit as it is now, N·s.
+    /// Returns the impulse by the laws of contact and friction themselves, with the present Coulomb limit, N·s.
     pub(in crate::physics) fn lawful_impulse(&self, velocity: DVec3) -> DVec3 {
         let normal = self.normal * self.normal_impulse_at(velocity);
         if self.pushes { normal - self.coulomb(self.sliding(velocity)) } else { normal }
     }
 
-    /// Whether by its law it pushes at the last solution, in which it did not: the rounds ended before.
+    /// Whether its law makes it push at the last solution, which has no push of it: the rounds ended too early.
     pub(super) fn is_left_out(&self) -> bool {
         self.pushes && self.impulse.dot(self.normal) <= 0.0
     }
@@ -84,13 +84,13 @@ impl ContactConstraint {
         relative - self.normal * relative.dot(self.normal)
     }
 
-    /// Makes what holds the particle at the limit of its depth much stiffer than the particle itself, whose velocity
-    /// changes by one over `resistance` (kg) for every N·s.
+    /// Makes the depth limit much stiffer than the particle itself, whose velocity changes by one over `resistance` (kg)
+    /// for every N·s.
     pub(in crate::physics) fn hold_against(&mut self, resistance: f64) {
         self.hold = HOLD * resistance;
     }
 
-    /// By the laws of contact, N·s.
+    /// Returns the normal impulse by the laws of contact, N·s.
     fn normal_impulse_at(&self, velocity: DVec3) -> f64 {
         self.spring_impulse_at(velocity).max(0.0) + self.holding_impulse_at(velocity).max(0.0)
     }
@@ -113,8 +113,8 @@ impl ContactConstraint {
         self.friction * self.normal_impulse
     }
 
-    /// What it does at first, to a particle that has this velocity and would fall with another. What is only expected
-    /// to push has no friction yet: how hard it will push is not known.
+    /// Sets up the first solve, for a particle that has `velocity` and would have `falling`. A constraint that pushes only
+    /// at `falling` has no friction yet: how hard it will push is not known.
     pub(super) fn begin(&mut self, velocity: DVec3, falling: DVec3) {
         self.normal_impulse = self.normal_impulse_at(velocity);
         self.pushes = self.normal_impulse > 0.0 || self.normal_impulse_at(falling) > 0.0;
@@ -127,12 +127,12 @@ impl ContactConstraint {
         sliding * (self.limit() / self.speed(sliding))
     }
 
-    /// r.
+    /// r for a sliding velocity, m/s.
     fn speed(&self, sliding: DVec3) -> f64 {
         (sliding.length_squared() + self.creep * self.creep).sqrt()
     }
 
-    /// The equations of the next solve, about a sliding velocity and a drag.
+    /// Sets up the equations of the next solve, linearised about a sliding velocity and a drag.
     fn linearize(&mut self, sliding: DVec3, drag: DVec3) {
         if !self.pushes {
             (self.matrix, self.bias) = (DMat3::ZERO, DVec3::ZERO);
@@ -148,8 +148,8 @@ impl ContactConstraint {
         self.bias = n * (self.push + hold * self.slowest) - (drag * s.length_squared() + s * drag.dot(s)) * 0.5;
     }
 
-    /// Takes the velocity that was solved for and linearizes about it: `carefully` so that the next solve cannot but
-    /// take out energy. Says whether it has to be solved again.
+    /// Takes over the solved velocity and linearises about it; if `carefully`, so that the next solve can only take energy
+    /// out. Returns whether another solve is needed.
     pub(in crate::physics) fn reconsider(&mut self, velocity: DVec3, carefully: bool) -> bool {
         let (pushed, was_held) = (self.pushes, self.is_held);
         self.impulse = self.impulse(velocity);

@@ -1,8 +1,7 @@
 //! Which particles are known to be far from a mesh: most of a body that lies in a bowl, in every substep.
 //!
-//! A few particles at a time: it is written down where they are and how far the surface is from the nearest of them, and
-//! until one of them may have come that far nothing has to be looked up for any. It makes looks fewer and changes nothing
-//! else.
+//! Works on a few particles at a time: stores where they are and how far the surface is from the nearest of them. Until one
+//! of them may have come that far, no distance has to be looked up for any. This saves time and changes nothing else.
 
 use std::ops::Range;
 
@@ -10,32 +9,32 @@ use super::narrow::mesh::{Known, rounding_margin};
 use crate::math::{Real, Vector};
 use crate::physics::model::MeshModel;
 
-/// Particles that are far or not together.
+/// Number of particles that count as far or near together.
 pub(super) const FEW: usize = 16;
 
-/// What is known of a particle in single precision and a mesh, bytes.
+/// Bytes stored for each pair of a particle, in single precision, and a mesh.
 pub(super) const BYTES_FAR: usize = size_of::<[f32; 3]>() + size_of::<f64>().div_ceil(FEW);
 
-/// So many times in a row a few of which one was near are taken to be near still.
+/// A few particles of which one was near are taken to be near still for this many calls.
 const TAKEN_AS_NEAR: f64 = 8.0;
 
-/// How much nearer than it was found the surface may be for rounding, as a share of the way.
+/// How much nearer than it was found the surface may be for rounding error, as a share of the way.
 const ROUNDING_SHARE: f64 = 1e-3;
 
-/// What is known of a body's particles and all meshes.
+/// Known distances of a body's particles from all meshes.
 #[derive(Clone, Debug)]
 pub(super) struct Far<R: Real> {
     /// By mesh.
     meshes: Vec<FarFromMesh<R>>,
 }
 
-/// What is known of a body's particles and one mesh.
+/// Known distances of a body's particles from one mesh.
 #[derive(Clone, Debug)]
 struct FarFromMesh<R: Real> {
-    /// Where particles were when they were looked at, m.
+    /// Where the particles were when their distance was found, m.
     at: Vec<R::Vec3>,
-    /// How far the mesh was from the nearest of a few then, m; nothing where that is not known; less than nothing by as many as
-    /// the times are that they are taken to be near.
+    /// For every few, how far the mesh was from the nearest of them then, m; zero where that is not known. A negative number
+    /// counts the calls for which they are still taken to be near.
     distance: Vec<f64>,
     /// Where the mesh was then.
     place: Option<Place<R>>,
@@ -49,14 +48,14 @@ type Place<R> = (<R as Real>::Vec3, [<R as Real>::Vec3; 3]);
 pub(super) struct Few<'a, R: Real> {
     /// Their numbers in the body.
     pub(super) these: Range<usize>,
-    /// Of all of it, m and m/s.
+    /// Positions and velocities of all its particles, m and m/s.
     pub(super) position: &'a [R::Vec3],
     pub(super) velocity: &'a [R::Vec3],
     pub(super) secs: R,
 }
 
 impl<R: Real> Far<R> {
-    /// Room for a body of so many particles among so many meshes.
+    /// Makes room for a body of this many particles and for this many meshes.
     pub(super) fn new(particles: usize, meshes: usize) -> Self {
         let of_mesh = FarFromMesh {
             at: vec![R::Vec3::ZERO; particles],
@@ -66,9 +65,8 @@ impl<R: Real> Far<R> {
         Self { meshes: vec![of_mesh; meshes] }
     }
 
-    /// Whether none of a few particles comes within `reach` (m) of a mesh; looks again where that cannot be told from the
-    /// last time. `known` is what is known of
-    /// every particle of the body.
+    /// Whether none of a few particles comes within `reach` (m) of a mesh. Looks distances up again where the last ones do
+    /// not tell. `known` holds the cached search results of all particles of the body.
     pub(super) fn is_far(&mut self, few: &Few<'_, R>, mesh: &MeshModel<R>, reach: R, known: &[Known]) -> bool {
         let meshes = self.meshes.len();
         let FarFromMesh { at, distance, place } = &mut self.meshes[mesh.place];

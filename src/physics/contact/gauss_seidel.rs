@@ -1,13 +1,12 @@
-//! A particle between several obstacles, by projected Gauss–Seidel: what pushes it out of one may push it into the
-//! next, and a soft push into a stiff obstacle would store energy there that nobody had. So the pushes are found
-//! together.
+//! A particle between several obstacles, by projected Gauss–Seidel. A push out of one obstacle may lead into the next, and
+//! a soft push into a stiff obstacle would store energy there that came from nowhere. So the pushes are found together.
 //!
 //! The pushes are those of [`super::response`], each a spring taken implicitly; together they minimise `½ |v − v*|² + Σ
-//! energy of the springs at the end of the step`, which is convex. Going round the contacts, each in turn doing what the
-//! others leave to it (Gauss–Seidel), comes to that minimum, at which the energy is no larger than without any push.
+//! energy of the springs at the end of the step`, which is convex. Gauss–Seidel solves each contact in turn for what the
+//! others leave, and converges to that minimum, at which the energy is no larger than without any push.
 //!
-//! Friction goes round with the pushes. Found once, before they are, it would brake a motion that they then turn about,
-//! and from there on drive the particle: friction that is settled is against the sliding that is left, and takes energy.
+//! Friction is solved in the same rounds. Found once, before the pushes, it would brake a motion that they then reverse,
+//! and so drive the particle. Friction that has settled opposes the sliding that is left, and takes energy.
 
 use super::record::ContactRecord;
 use super::response::{self, Friction};
@@ -15,20 +14,20 @@ use super::surface::Surface;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
 
-/// In so many rounds about the contacts static friction may hold, and the pushes settle to rounding; after them friction is
-/// dynamic, which does not jump between holding and sliding.
+/// Rounds over the contacts in which static friction may hold and the pushes have to settle to rounding error. After them
+/// friction is dynamic, which does not jump between holding and sliding.
 const ROUNDS: usize = 16;
 
-/// Rounds at most where the pushes are still changing after these: each takes the share cos² of the angle between two
-/// surfaces off what is missing, so a narrow wedge needs many.
+/// Most rounds in all, where the pushes are still changing after `ROUNDS`: each round multiplies the error by the cos² of the
+/// angle between two surfaces, so a narrow wedge needs many.
 const MOST_ROUNDS: usize = 256;
 
-/// The contacts have settled where none changes by more than this share of the speeds at hand, that which they keep the
-/// particle from included: what is held between obstacles has next to none.
+/// After `ROUNDS` the contacts have settled where none changes by more than this share of the largest speed at hand. The
+/// predicted one is included: a particle held between obstacles has next to none.
 const SETTLED_SHARE: f64 = 1e-5;
 
-/// The velocity that the contacts in `records` together leave a particle that would have `predicted`; their forces are
-/// written anew. None where they do not agree on one: the particle is pinched between surfaces that all but meet.
+/// Returns the velocity that the contacts in `records` together leave a particle that would have `predicted`, and writes
+/// their forces anew. None where the rounds do not settle: the particle is pinched between surfaces that all but meet.
 pub(super) fn solve<R: Real>(
     predicted: R::Vec3,
     contacts: &[ContactModel<R>],
@@ -38,7 +37,7 @@ pub(super) fn solve<R: Real>(
     records: &mut [ContactRecord<R>],
 ) -> Option<R::Vec3> {
     let corner = Corner { predicted, contacts, obstacles, mass, dt };
-    // Where friction wedges a particle in, pushes and friction raise each other and only the pushes have an end.
+    // Where friction wedges a particle in, pushes and friction raise each other without end; the pushes alone settle.
     let settled = corner.settle(true, records).or_else(|| corner.settle(false, records));
     for record in records {
         record.force = record.force * if settled.is_some() { mass / dt } else { R::ZERO };
@@ -56,8 +55,8 @@ struct Corner<'a, R: Real> {
 }
 
 impl<R: Real> Corner<'_, R> {
-    /// Goes round the contacts until each does what the others leave to it, with friction where it `rubs`. Tells the
-    /// velocity then, and writes as forces how each contact changes it, m/s; none where they do not settle.
+    /// Goes round the contacts until they settle, with friction where it `rubs`. Returns the velocity, and writes each
+    /// contact's change of it, m/s, as its force; none where they do not settle.
     fn settle(&self, rubs: bool, records: &mut [ContactRecord<R>]) -> Option<R::Vec3> {
         let mut velocity = self.predicted;
         for record in &mut *records {
@@ -88,13 +87,13 @@ impl<R: Real> Corner<'_, R> {
         None
     }
 
-    /// The velocity that one contact makes of that which the others leave.
+    /// Returns the velocity after one contact, where the `others` leave this one.
     fn after(&self, record: &ContactRecord<R>, friction: Friction, others: R::Vec3) -> R::Vec3 {
         let surface = Surface { normal: record.normal, gap: record.gap };
         let (contact, obstacle) = (&self.contacts[record.obstacle], &self.obstacles[record.obstacle]);
         let past = others - record.surface_velocity;
         let after = response::respond(&surface, contact, obstacle, friction, self.mass, self.dt, past);
-        // What is not pushed keeps its velocity to the last bit.
+        // A particle that is not pushed keeps its velocity to the last bit.
         if after == past { others } else { after + record.surface_velocity }
     }
 }
@@ -149,7 +148,7 @@ mod tests {
         }
     }
 
-    /// What a plate that comes down at 60 m/s, aslant by an angle to a stiff floor, makes of a particle on it.
+    /// Solves for a particle on a stiff floor under a plate that comes down at 60 m/s, at an angle to the floor.
     fn under_a_plate(degrees: f64) -> (Option<DVec3>, [ContactRecord<f64>; 2]) {
         let down = DVec3::new(degrees.to_radians().sin(), -degrees.to_radians().cos(), 0.0);
         let plate = ContactRecord { surface_velocity: down * 60.0, ..record(1, down, 0.0) };

@@ -1,4 +1,4 @@
-//! What contact holds in a substep of the stabilised scheme, which goes through many stages with it.
+//! Contacts that the stabilised scheme takes through all stages of a substep.
 
 use super::record::ContactRecord;
 use super::response;
@@ -9,11 +9,12 @@ use crate::physics::model::{ContactModel, ObstacleModel};
 use crate::physics::schemes::{ContactSpring, Held, HeldFriction, SurfaceContact};
 use crate::physics::step::substep::Substep;
 
-/// A particle whose velocity along a surface is this small a share of those it comes from is held there.
+/// A particle whose velocity along a surface is no more than this share of the speeds it is computed from is held there.
 const STICKS: f64 = 1e-5;
 
 impl<R: Real> ContactWorkspace<R> {
-    /// Lists what obstacles push, with the velocities that they leave it; `force` are the forces at the state, N.
+    /// Lists the particles that obstacles push, with the velocities that these leave them; `force` are the forces at the
+    /// state, N.
     pub(in crate::physics) fn hold(
         &self,
         substep: Substep<'_, R>,
@@ -33,7 +34,7 @@ impl<R: Real> ContactWorkspace<R> {
             let now = [past * (mass * substep.braking_rate(number)), force[particle]];
             let (contact, obstacle) = (&body.contacts[record.obstacle], &substep.model.obstacles[record.obstacle]);
             let by_one = || touch(velocity[particle], now, record, contact, obstacle, substep.dt);
-            // Between several nothing slides.
+            // Between several obstacles a particle does not slide.
             let touch = pushing.next().map_or_else(|| Some(by_one()), |_| None);
             let across = |of: R::Vec3| of - record.normal * of.dot(record.normal);
             let is_stopped = touch.is_some_and(|touch| matches!(touch.friction, HeldFriction::Sticks { .. }));
@@ -42,8 +43,8 @@ impl<R: Real> ContactWorkspace<R> {
         }
     }
 
-    /// Writes down the forces of contact as they were: of what held the particles, and of what brought those that only
-    /// their paths led into an obstacle from the velocity that the stages `left` to the one they have.
+    /// Records the contact forces as they turned out. For a held particle that is its mean force; for one that only its path
+    /// led into an obstacle, the force that changed the velocity that the stages `left` into the one it has.
     pub(in crate::physics) fn note_forces(
         &mut self,
         substep: Substep<'_, R>,
@@ -69,7 +70,7 @@ impl<R: Real> ContactWorkspace<R> {
     }
 }
 
-/// Keeps what the springs did not stop in time at the limit of its depth.
+/// Stops particles that the springs did not stop in time at the depth limit.
 pub(in crate::physics) fn limit_depths<R: Real>(
     substep: Substep<'_, R>,
     held: &mut [Held<R>],
@@ -94,8 +95,8 @@ pub(in crate::physics) fn limit_depths<R: Real>(
     }
 }
 
-/// How one surface touches a particle that it leaves this `velocity`. Static friction holds it where it is strong enough
-/// for what would stop it within the substep and for the force on it: `now` is what either is, N.
+/// Returns how one surface touches a particle that it leaves this `velocity`. Static friction holds the particle if it can
+/// bear both the force that would stop it within the substep and the force on it: the two forces `now`, N.
 fn touch<R: Real>(
     velocity: R::Vec3,
     now: [R::Vec3; 2],

@@ -8,8 +8,8 @@
 //!
 //! A body that is a model may meet obstacles with points of its mesh in place of its particles: see [`samples`].
 //!
-//! What several obstacles do to one particle is found together (`gauss_seidel`), and it is brought to a velocity that none
-//! of them forbids. Bodies meet each other before that: see [`bodies`].
+//! Several obstacles at one particle are solved for together (`gauss_seidel`), and leave it a velocity that none of them
+//! forbids. Bodies meet each other before that: see [`bodies`].
 
 mod account;
 mod approach;

@@ -1,4 +1,4 @@
-//! Where an obstacle is that moves, as a place and a turn: on its way after it was moved, and by a motion of its own.
+//! Pose of a moving obstacle: on its way to where it was moved, and by a motion of its own.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -6,8 +6,8 @@ use crate::math::{Aabb, FRAME_SECS, Real, RigidMotion, Vector};
 use crate::physics::model::{Carry, MeshModel, ObstacleModel, ObstacleShape, OrientedModel};
 use crate::physics::state::moving::Sweep;
 
-/// Simulated time in which a moved obstacle gets to its new place, s: a frame, so that one that is dragged follows the
-/// hand, at the speed of the hand.
+/// Simulated time in which a moved obstacle gets to its new place, s: a frame, so that a dragged obstacle follows the hand
+/// at the speed of the hand.
 const SWEEP_SECS: f64 = FRAME_SECS;
 
 /// Place and orientation of an obstacle.
@@ -34,21 +34,21 @@ impl Pose {
         }
     }
 
-    /// After a motion of its own for so long.
+    /// The pose after a motion of its own for `secs`.
     fn after(self, motion: Option<&RigidMotion>, secs: f64) -> Self {
         let Some(motion) = motion else { return self };
         let (way, turn) = motion.at(secs);
         Self { center: self.center + way, rotation: turn * self.rotation }
     }
 
-    /// Where it would have been without that motion.
+    /// The pose that it would have without that motion.
     pub(super) fn before(self, motion: Option<&RigidMotion>, secs: f64) -> Self {
         let Some(motion) = motion else { return self };
         let (way, turn) = motion.at(secs);
         Self { center: self.center - way, rotation: turn.inverse() * self.rotation }
     }
 
-    /// Part of the way to another; the rotation by normalised linear interpolation, which needs no sine.
+    /// Goes a share of the way to another pose; the rotation by normalised linear interpolation, which needs no sine.
     fn towards(self, to: Self, share: f64) -> Self {
         let near = if self.rotation.dot(to.rotation) < 0.0 { -to.rotation } else { to.rotation };
         let mixed = self.rotation * (1.0 - share) + near * share;
@@ -66,7 +66,7 @@ impl Sweep {
         Pose { center: self.center, rotation: self.rotation }
     }
 
-    /// Where it is after the next `secs`, and the time that is left then.
+    /// Returns the pose after the next `secs`, and the time that is left then.
     pub(super) fn next<R: Real>(&self, arrived: &ObstacleModel<R>, secs: f64) -> (Pose, f64) {
         let to = Pose::of(&arrived.shape);
         let share = (secs / self.left_secs).min(1.0);
@@ -74,8 +74,8 @@ impl Sweep {
     }
 }
 
-/// An obstacle that sweeps or moves by itself as it meets bodies in the `secs` after `time_secs`; where they are none, as it
-/// stands then. `arrived` is what it is once it is there, before any motion of its own.
+/// Returns an obstacle that sweeps or moves by itself as bodies meet it in the `secs` after `time_secs`; where `secs` is zero,
+/// as it stands at that time. `arrived` is the obstacle at the end of its sweep, without any motion of its own.
 pub(super) fn placed<R: Real>(
     sweep: Option<&Sweep>,
     arrived: &ObstacleModel<R>,
@@ -106,7 +106,7 @@ pub(super) fn placed<R: Real>(
     obstacle
 }
 
-/// A box that holds everything so near to a point (m).
+/// Returns a box around everything within `reach` (m) of a point.
 fn around<R: Real>(center: DVec3, reach: f64) -> Aabb<R> {
     let reach = DVec3::splat(reach);
     Aabb { min: R::Vec3::from_dvec3(center - reach), max: R::Vec3::from_dvec3(center + reach) }

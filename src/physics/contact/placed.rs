@@ -5,7 +5,7 @@ use crate::math::Real;
 use crate::physics::model::{Model, ObstacleModel};
 use crate::physics::state::State;
 
-/// The obstacles of a model in a substep. It follows from model and state, and is kept to be filled without allocating.
+/// The obstacles of a model in a substep. Follows from model and state; kept so that it is filled without allocating.
 #[derive(Clone, Debug)]
 pub struct Placed<R: Real> {
     obstacles: Vec<ObstacleModel<R>>,
@@ -14,7 +14,7 @@ pub struct Placed<R: Real> {
     moves: bool,
 }
 
-/// An obstacle that one body meets elsewhere than where it is: it was put into it and comes gently.
+/// An obstacle that one body meets away from its real place: it was put into the body and comes to its place gently.
 #[derive(Clone, Debug)]
 struct Displaced<R: Real> {
     body: usize,
@@ -23,7 +23,7 @@ struct Displaced<R: Real> {
 }
 
 impl<R: Real> Placed<R> {
-    /// As a state has them, standing still.
+    /// The obstacles as a state has them, standing still.
     pub fn now(model: &Model<R>, state: &State<R>) -> Self {
         let displaced = Vec::with_capacity(model.bodies.len() * model.obstacles.len());
         let mut placed = Self { obstacles: model.obstacles.clone(), displaced, moves: true };
@@ -31,7 +31,7 @@ impl<R: Real> Placed<R> {
         placed
     }
 
-    /// As they move in the next `secs`; where they are none, as they stand.
+    /// Places the obstacles as they move in the next `secs`; where that is zero, as they stand.
     pub(in crate::physics) fn place(&mut self, model: &Model<R>, state: &State<R>, secs: f64) {
         let moves = !state.sweeps.is_empty() || !state.approaches.is_empty() || model.moves_by_itself();
         if !moves && !self.moves {

@@ -1,4 +1,4 @@
-//! What contact found of one particle and one obstacle.
+//! A contact of one particle and one obstacle.
 
 use crate::math::Real;
 

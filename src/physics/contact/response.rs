@@ -9,7 +9,7 @@ use super::surface::Surface;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
 
-/// Which friction is worked out; without coefficients that changes nothing.
+/// Which friction is computed; makes no difference where the coefficients are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Friction {
     /// None.
@@ -43,7 +43,7 @@ pub(super) fn respond<R: Real>(
     surface.normal * after + slowed_by_friction::<R>(tangential, impulse, obstacle, friction)
 }
 
-/// The velocity along the normal that the spring leaves of `approach`, m/s; less than that where it would pull.
+/// Returns the velocity along the normal that the spring leaves of `approach`, m/s; less than `approach` where it would pull.
 pub(super) fn normal_velocity<R: Real>(
     surface: &Surface<R>,
     contact: &ContactModel<R>,

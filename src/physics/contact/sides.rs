@@ -1,4 +1,4 @@
-//! On which side of a plane particles touch it, from one substep to the next.
+//! On which side of a plane or an open mesh particles touch it, from one substep to the next.
 
 use super::narrow;
 use super::placed::Placed;
@@ -8,8 +8,8 @@ use crate::physics::model::{MeshModel, Model, ObstacleShape};
 use crate::physics::report::Recorder;
 use crate::physics::state::State;
 
-/// The side of a plane or an open mesh on which a point that is there is met with this normal, +1 or −1 along the normal of
-/// the obstacle; 0 of one that has an inside.
+/// Returns the side of a plane or an open mesh on which a point is in contact with this normal: +1 or −1 along the normal of
+/// the obstacle. 0 for an obstacle that has an inside.
 pub(in crate::physics) fn met_side<R: Real>(shape: &ObstacleShape<R>, at: R::Vec3, normal: R::Vec3) -> i8 {
     let is_upper = match shape {
         ObstacleShape::Plane(plane) => normal.dot(plane.normal) > R::ZERO,
@@ -19,7 +19,7 @@ pub(in crate::physics) fn met_side<R: Real>(shape: &ObstacleShape<R>, at: R::Vec
     if is_upper { 1 } else { -1 }
 }
 
-/// Writes down on which side of which plane every touching particle is once it has moved, and how deep the deepest is.
+/// Records on which side of which plane or open mesh every touching particle is once it has moved, and the greatest depth.
 pub(in crate::physics) fn remember_sides<R: Real>(
     model: &Model<R>,
     obstacles: &Placed<R>,
@@ -30,7 +30,7 @@ pub(in crate::physics) fn remember_sides<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     let mut deepest = R::from_f64(workspace.samples.deepest);
-    // What touched before and does not any more is forgotten; what touches is in the records.
+    // The sides of the last substep are forgotten; the particles that touch now are in the records.
     for (number, body) in model.bodies.iter().enumerate() {
         if state.bodies[number].asleep {
             continue;

@@ -3,8 +3,8 @@
 //! ```text
 //! find     which particles touch, or would if they fell freely: one constraint for each obstacle
 //! (solve)  the normal penalty, its damping and a resistance against sliding are in the matrix, chosen anew every round
-//! finish   what met an obstacle only in the solution, or was left without its push when the rounds of solving ended, is
-//!          answered as in an explicit step; nothing ends too deep
+//! finish   particles that met an obstacle only in the solution, or lacked its push when the rounds of solving ended, are
+//!          resolved as in an explicit step; nothing ends too deep
 //! ```
 
 use glam::{DMat3, DVec3};
@@ -20,15 +20,15 @@ use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
 use crate::physics::step::substep::Substep;
 
-/// The sliding speed at which friction has 0.7 of Coulomb's strength, as a share of the body's size in a second: what is
-/// held creeps that fast, which nobody sees.
+/// The sliding speed at which friction has 0.7 of Coulomb's strength, as a share of the body's size in a second. A held
+/// particle creeps this fast, too slowly to be seen.
 const CREEP_SHARE: f64 = 1e-9;
 
-/// Below this share of its body's size in a second a particle has as good as stopped.
+/// A particle slower than this share of its body's size in a second counts as stopped.
 const STOPPED_SHARE: f64 = 1e-7;
 
 /// A particle that slides by more than this share of its body's size in a second when a substep begins feels dynamic
-/// friction all through it, others feel static friction.
+/// friction throughout the substep; others feel static friction.
 const STILL_SHARE: f64 = 1e-3;
 
 /// Finds the constraints of a substep in which every particle would have the velocity `falling`, by particle.
@@ -102,8 +102,8 @@ pub(in crate::physics) fn find<R: Real>(
     }
 }
 
-/// Turns the constraints into contacts, and answers what the solution leads into obstacles without a push: nothing touched
-/// them before, or which constraints push had not settled.
+/// Turns the constraints into contacts, and resolves particles that the solution leads into an obstacle without a push: they
+/// did not touch it before, or the rounds ended before it was settled which constraints push.
 pub(in crate::physics) fn finish<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
@@ -116,7 +116,7 @@ pub(in crate::physics) fn finish<R: Real>(
     for (number, body) in model.bodies.iter().enumerate() {
         while let Some(own) = constraints.next_if(|own| body.particles.contains(&own[0].particle)) {
             let particle = own[0].particle;
-            // What nothing pushes in the solution though something should is answered with what nothing touched before.
+            // A particle that should be pushed and is not is resolved below, with those that touched nothing before.
             if own.iter().any(ContactConstraint::is_left_out) && own.iter().all(|own| own.impulse == DVec3::ZERO) {
                 continue;
             }
@@ -198,7 +198,7 @@ mod tests {
         let mut velocity = vec![DVec3::NEG_Y; model.particle_count()];
         find(substep, &velocity, &mut workspace, &mut recorder);
         for constraint in &mut workspace.constraints {
-            // In one round it leaves, and what the last comes to presses it in again.
+            // In one round the particle leaves, in the last it is pressed in again.
             constraint.reconsider(DVec3::Y, false);
             constraint.reconsider(DVec3::NEG_Y, false);
             assert!(constraint.is_left_out(), "{constraint:?}");

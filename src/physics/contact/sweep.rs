@@ -1,6 +1,6 @@
-//! Obstacles that move: those that were moved while time runs, which sweep from where they were to where they are now, and
-//! those that move by themselves, about where they stand or sweep. They push what is in their way. The substep sees a moving
-//! obstacle at the end of its way through that substep, with the rigid motion that brings it there.
+//! Moving obstacles. One that was moved while time runs sweeps from where it was to where it is now. One with a motion of
+//! its own moves about where it stands or sweeps. Both push bodies in their way. A substep sees a moving obstacle at the end
+//! of its way through that substep, with the rigid motion that brings it there.
 
 use std::mem::discriminant;
 use std::sync::Arc;
@@ -12,8 +12,9 @@ use crate::physics::model::{MeshModel, Model, ObstacleShape, PlaneModel};
 use crate::physics::state::State;
 use crate::physics::state::moving::Sweep;
 
-/// The obstacles of `new` that are elsewhere than they were among `old`; `kept` names, for each, the one it was. What moves
-/// by itself goes on from where it is with the motion that it has now. `state` is the one that `before` was in.
+/// Returns the sweeps of obstacles of `new` that are elsewhere than they were among `old`; `kept` names, for each, the one it
+/// was. An obstacle with a motion of its own goes on from where it is with its new motion. `state` belongs to the model
+/// `before`.
 pub(in crate::physics) fn sweeps<R: Real>(
     old: &Placed<R>,
     before: &Model<R>,
@@ -35,7 +36,7 @@ pub(in crate::physics) fn sweeps<R: Real>(
         .collect()
 }
 
-/// Counts `secs` that have passed; obstacles that are there stand still from now on.
+/// Advances the sweeps by `secs`; obstacles that have arrived stand still from now on.
 pub(in crate::physics) fn pass<R: Real>(model: &Model<R>, secs: f64, state: &mut State<R>) {
     state.sweeps.retain_mut(|sweep| {
         let (next, left_secs) = sweep.next(&model.obstacles[sweep.obstacle], secs);
@@ -44,8 +45,8 @@ pub(in crate::physics) fn pass<R: Real>(model: &Model<R>, secs: f64, state: &mut
     });
 }
 
-/// Takes over on which side of a plane particles touch it. A plane that was put elsewhere at once keeps those that it
-/// does not leave deeper than a contact may be.
+/// Takes over on which side of a plane or an open mesh particles touch it. A plane that was put elsewhere at once keeps the
+/// side of particles that are then no deeper than a contact may be.
 pub(in crate::physics) fn keep_sides<R: Real>(
     old: &Placed<R>,
     new: &Model<R>,

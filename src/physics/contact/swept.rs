@@ -15,16 +15,17 @@ pub(in crate::physics) struct Swept<R: Real> {
     pub(in crate::physics) path: R::Vec3,
     /// The side of a plane or an open mesh that it touched before, else 0.
     pub(in crate::physics) side: i8,
-    /// How far out what it is worked out from is, m, as rounding is a share of that; none where it is a particle.
+    /// Largest coordinates of the particles that the point is the mean of, m, as rounding error is a share of them; none where
+    /// the point is a particle.
     pub(in crate::physics) widest: Option<R::Vec3>,
 }
 
 impl<R: Real> Swept<R> {
-    /// How it meets an obstacle in a substep of `dt` (s), and the velocity of the surface. `known` is what is known of it and
-    /// every mesh.
+    /// Returns how the point meets an obstacle in a substep of `dt` (s), and the velocity of the surface. `known` holds the
+    /// cached search results of the point, by mesh.
     ///
-    /// Contact with an obstacle that moves is swept in the obstacle's own frame: the point's start rides along, and what is
-    /// left of its path is its motion past the obstacle.
+    /// Contact with an obstacle that moves is swept in the obstacle's own frame: the point's start rides along, and the rest
+    /// of its path is its motion past the obstacle.
     pub(in crate::physics) fn meet(
         &self,
         obstacle: &ObstacleModel<R>,

@@ -17,10 +17,10 @@ use crate::physics::step::substep::Substep;
 /// compares with zero, which no number in a simulation ever is.
 const STILL_SPEED: f64 = 1e-3;
 
-/// The share by which boxes are made larger than planes reach.
+/// The share by which boxes are made larger than planes reach, for rounding error.
 const ROUNDING: f64 = 1e-3;
 
-/// Adds reaction and friction to the force of every particle found past a surface, and writes them down by themselves.
+/// Adds reaction and friction to the force of every particle found past a surface, and stores them alone in `thesis_force`.
 pub(in crate::physics) fn add_forces<R: Real>(
     substep: Substep<'_, R>,
     force: &mut [R::Vec3],
@@ -104,7 +104,7 @@ fn inside_sphere<R: Real>(center: R::Vec3, radius: R, at: R::Vec3, path: R::Vec3
     Some((normal, depth))
 }
 
-/// The thesis has no such forms; the way out is the nearest.
+/// The thesis has no boxes, capsules or cylinders; the way out is the nearest.
 fn inside_oriented<R: Real>(oriented: &OrientedModel<R>, at: R::Vec3) -> Option<(R::Vec3, R)> {
     let nearest = super::narrow::oriented::meet(oriented, at, R::Vec3::ZERO)?;
     Some((nearest.normal, -nearest.gap))

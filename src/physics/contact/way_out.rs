@@ -1,5 +1,5 @@
-//! The way on which a body gets out of an obstacle that was put into it (its minimum translation): the direction in
-//! which the obstacle pushes all of it, and how far back it has to start so that nothing of the body is inside.
+//! The way on which a body gets out of an obstacle that was put into it (its minimum translation): the direction in which
+//! the obstacle pushes the whole body, and how far back the obstacle has to start so that nothing of the body is inside.
 
 mod mesh;
 mod oriented;
@@ -16,7 +16,7 @@ pub(super) use points::MeetingPoints;
 pub(super) use way::WayOut;
 use way::{SAME_MIDDLE, shortest};
 
-/// A plane carries what is on its side where that faces up by more than this cosine.
+/// A plane carries bodies on a side that faces up by more than this cosine.
 const CARRIES: f64 = 0.3;
 
 /// What is known of an obstacle and a body from before the obstacle was put elsewhere.
@@ -30,7 +30,7 @@ pub(super) struct Memory<'a, R: Real> {
     pub(super) sides: &'a [Vec<i8>],
     /// Where points of meshes touched.
     pub(super) touches: &'a [SampleTouch],
-    /// The way that the obstacle was coming on.
+    /// The direction in which the obstacle was coming; none where it was not.
     pub(super) way: Option<DVec3>,
 }
 
@@ -130,14 +130,14 @@ impl<R: Real> Plate<'_, R> {
         (0..2).all(|axis| (at - center).dot(axes[axis]).abs() <= half_extents[axis])
     }
 
-    /// How far behind the plane the body reaches, past what it was pressed into the plane on that side before, m.
+    /// How far the body reaches behind the plane, beyond how deep it was in contact on that side before, m.
     fn length_m(&self, way: DVec3) -> f64 {
         let along = |plane: &PlaneModel<R>, at: R::Vec3, way: DVec3| (at - plane.center).to_dvec3().dot(way);
         let depth = |(number, at): (usize, R::Vec3)| {
-            // What ends up in the plane's very surface must not be taken for the other side.
+            // A point that ends up in the surface itself must not be taken to be on the other side.
             let margin = 4.0 * rounding_margin::<R>(self.plane, at).to_f64();
             let pressed = match self.memory.shape {
-                // Points of meshes forget what they touched where it was put elsewhere.
+                // Points of meshes forget their touches of a plane that was put elsewhere.
                 Some(ObstacleShape::Plane(was)) if !self.points.are_on_mesh() => {
                     let side = self.memory.touched(number).filter(|side| side.dot(way) > 0.0);
                     side.map(|side| (-along(was, at, side)).max(0.0))
@@ -161,7 +161,7 @@ impl Ball {
     fn way_out<R: Real>(self, points: &MeetingPoints<'_, R>, was: Option<Self>) -> Option<WayOut> {
         let &MeetingPoints { model, body, .. } = points;
         let free = || points.free().map(|(_, at)| at.to_dvec3());
-        // As deep as it was in contact before, a particle may stay.
+        // A particle may stay as deep as it was in contact before.
         let allowed = |at: DVec3| was.map_or(0.0, |was| was.depth(at).max(0.0));
         let margin = 8.0 * R::EPSILON.to_f64() * (self.radius + self.center.abs().max_element());
         if !free().any(|at| self.depth(at) > allowed(at) + margin) {
@@ -181,7 +181,7 @@ impl Ball {
         let up = (-gravity).try_normalize().unwrap_or(DVec3::Y);
         let radial = points.middle() - self.center;
         let level = radial - up * radial.dot(up);
-        // Where the middles meet, what is between them is rounding and no direction.
+        // Where the middles coincide, the vector between them is rounding error and no direction.
         let least = SAME_MIDDLE * body.size.to_f64();
         let told = |way: &DVec3| way.length() > least;
         let ways = [radial, level].into_iter().filter(told).chain([up]).filter_map(DVec3::try_normalize);

@@ -1,4 +1,4 @@
-//! What contact found in a substep, and the workspace it was found in.
+//! The contacts of a substep, and the workspace they are found in.
 
 use super::bodies::BodiesWorkspace;
 use super::broad::Near;
@@ -18,16 +18,17 @@ use crate::physics::state::sleep;
 /// Obstacles that meet in a corner.
 const CORNER: usize = 3;
 
-/// What is known of a particle and a mesh, bytes.
+/// Bytes cached for each pair of a particle and a mesh.
 pub(in crate::physics) const BYTES_A_PARTICLE_AND_MESH: usize = size_of::<Known>() + BYTES_FAR;
 
-/// What contact of one body's particles with obstacles works in: each has its own, so that threads look after bodies side by side.
+/// Workspace for contact of one body's particles with obstacles. Each body has its own, so that threads work on bodies in
+/// parallel.
 #[derive(Clone, Debug)]
 pub(super) struct ObstaclesWorkspace<R: Real> {
     pub(super) near: Near<R>,
-    /// What is known of every particle and mesh, by particle.
+    /// Cached search results of every particle and mesh, by particle.
     pub(super) known: Vec<Known>,
-    /// What was found in the substep under way.
+    /// The contacts found in the present substep.
     pub(super) found: Vec<ContactRecord<R>>,
     pub(super) tests: Tests,
 }
@@ -44,16 +45,16 @@ impl<R: Real> ObstaclesWorkspace<R> {
         }
     }
 
-    /// What is known of a particle of the body and every mesh.
+    /// Returns the cached search results of a particle of the body, by mesh.
     pub(super) fn known(&mut self, local: usize, meshes: usize) -> &mut [Known] {
         &mut self.known[local * meshes..][..meshes]
     }
 }
 
-/// One in so many particles of a surface is what an obstacle meets in a substep: what is beyond that makes room for itself once.
+/// There is room for contacts of one in this many surface particles in a substep; where there are more, the list grows once.
 pub(in crate::physics) const MET_AT_ONCE: usize = 2;
 
-/// What was tested.
+/// Numbers of tests made.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tests {
     pub(super) all: u64,
@@ -62,14 +63,14 @@ pub(super) struct Tests {
 }
 
 impl Tests {
-    /// Adds others.
+    /// Adds the numbers of others.
     pub(super) fn add(&mut self, Self { all, of_spheres, frictions }: Self) {
         self.all += all;
         self.of_spheres += of_spheres;
         self.frictions += frictions;
     }
 
-    /// Counts them.
+    /// Adds them to the counters.
     pub(super) fn count(self, counters: &mut Counters) {
         counters.narrow_tests += self.all;
         counters.sphere_tests += self.of_spheres;
@@ -77,28 +78,28 @@ impl Tests {
     }
 }
 
-/// What contact works in, and what the last substep found.
+/// The workspace of contact, and the contacts of the last substep.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactWorkspace<R: Real> {
-    /// What each body works in.
+    /// The workspace of each body.
     pub(super) of_bodies: Vec<ObstaclesWorkspace<R>>,
     /// Particle–obstacle pairs that met in the last substep, by particle.
     pub contacts: Vec<ContactRecord<R>>,
-    /// For every body and obstacle whether they are near without a look at boxes: planes of which a side is remembered,
-    /// and all before the first substep.
+    /// For every body and obstacle, whether they count as near without a test of bounding boxes: planes and open meshes of
+    /// which a side is remembered, and all before the first substep.
     pub(super) touching: Vec<bool>,
-    /// What the implicit integrator solves for, by particle.
+    /// The constraints of the implicit integrator, by particle.
     pub(in crate::physics) constraints: Vec<ContactConstraint>,
-    /// What contact between bodies works in, and what it found.
+    /// Workspace and results of contact between bodies.
     pub(in crate::physics) bodies: BodiesWorkspace<R>,
-    /// What contact on meshes of bodies works in, and what it found.
+    /// Workspace and results of contact on meshes of bodies.
     pub(in crate::physics) samples: SamplesWorkspace,
 }
 
 impl<R: Real> ContactWorkspace<R> {
     /// Room for a model.
     pub(crate) fn new(model: &Model<R>, plan: &Plan) -> Self {
-        // All of every surface in a corner: what is there beyond that makes room for itself once.
+        // Enough for every surface particle in a corner of obstacles; where there are more contacts, the lists grow once.
         let surface: usize = model.bodies.iter().map(|body| body.lattice.surface).sum();
         let pairs = surface * model.obstacles.len().min(CORNER);
         let solved_for = if plan.scheme == Scheme::Implicit { pairs } else { 0 };
@@ -127,7 +128,7 @@ impl<R: Real> ContactWorkspace<R> {
         }
     }
 
-    /// Puts contacts in the order of particles again where some were kept or found later.
+    /// Sorts contacts by particle again where some were kept or found later.
     pub(super) fn sort(&mut self) {
         let place = |contact: &ContactRecord<R>| (contact.particle, contact.obstacle);
         if !self.contacts.is_sorted_by_key(place) {
@@ -135,8 +136,7 @@ impl<R: Real> ContactWorkspace<R> {
         }
     }
 
-    /// Forgets the particles of bodies awake that met something which did not push them: the path they now have may
-    /// need a push.
+    /// Forgets the contacts of particles that nothing pushed, of bodies that are awake: their path may need a push.
     pub(super) fn forget_unpushed(&mut self, model: &Model<R>, state: &State<R>) {
         let (mut kept, mut first) = (0, 0);
         while let Some(contact) = self.contacts.get(first) {
@@ -158,14 +158,14 @@ impl<R: Real> ContactWorkspace<R> {
         self.contacts.iter().fold(R::from_f64(of_samples), |deepest, contact| deepest.max(-contact.gap))
     }
 
-    /// Tells of the contacts that bodies keep in their sleep.
+    /// Reports the contacts that sleeping bodies keep.
     pub(in crate::physics) fn report_kept(&self, recorder: &mut Recorder<'_>) {
         recorder.last.contacts = self.pushing();
         recorder.last.body_contacts = self.bodies.pushing();
         recorder.note_depth(self.deepest().to_f64());
     }
 
-    /// Any particle may touch any obstacle: they have been moved.
+    /// Takes every body to be near every obstacle, as obstacles have been moved.
     pub(in crate::physics) fn touch_all(&mut self) {
         self.touching.fill(true);
     }

@@ -1,8 +1,7 @@
-//! The links of bodies in double precision, from positions and what rounding has kept back from them, as the implicit scheme
-//! needs them: the rounding of a position is a force of many weights where links are as stiff as only that scheme takes
-//! them.
+//! The links of bodies in double precision, from positions and what rounding has kept back from them. The implicit scheme
+//! needs them: with links as stiff as only that scheme bears, the rounding error of a position is a force of many weights.
 //!
-//! Over the box of a body where it has one, else along the list of its links.
+//! They are evaluated over the box of a body that has one, else along the list of its links.
 
 use std::ops::Range;
 
@@ -16,20 +15,20 @@ use crate::physics::state::State;
 use crate::physics::step::substep::Substep;
 use crate::physics::team::{self, Halves};
 
-/// What links are worked out in.
+/// The workspace for links in double precision.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct ExactLinks {
-    /// Those of every body that has a box.
+    /// The links of every body that has a box.
     bodies: Vec<Option<InDouble>>,
-    /// Of the particles of the largest of these, m, ...
+    /// Positions of the particles of one body, m, with room for the largest, ...
     position: Vec<DVec3>,
-    /// ... and what else there is of them: velocities, m/s, or forces, N.
+    /// ... and other vectors of these particles: velocities, m/s, or forces, N.
     vectors: Vec<DVec3>,
-    /// Parts of a sum.
+    /// Partial sums, one for each block.
     sums: Vec<f64>,
 }
 
-/// The links of a body in its box, and the pieces they are worked out in.
+/// The links of a body in its box, and the pieces for its threads.
 #[derive(Clone, Debug)]
 struct InDouble {
     links: BoxedLinks<f64>,
@@ -37,14 +36,14 @@ struct InDouble {
 }
 
 impl ExactLinks {
-    /// Room for the bodies of a model and so many threads.
+    /// Allocates the workspace for a model and a number of threads.
     pub(in crate::physics) fn new<R: Real>(model: &Model<R>, threads: usize) -> Self {
         let all: usize = model.bodies.iter().map(BodyModel::link_count).sum();
         let boxed = model.bodies.iter().filter(|body| body.boxed_links.is_some());
         let particles = boxed.map(|body| body.particles.len()).max().unwrap_or(0);
         let in_double = |body: &BodyModel<R>| {
             let links = body.boxed_links.as_ref()?.in_double();
-            // A body is worth as many threads as it has of all work, which pays for them.
+            // A body gets threads in proportion to its share of all links.
             let count = (threads * body.link_count()).div_ceil(all);
             let cuts: Vec<f64> = (1..count).map(|cut| cut as f64 / count as f64).collect();
             Some(InDouble { pieces: pieces(&links, &cuts), links })
@@ -55,12 +54,12 @@ impl ExactLinks {
         Self { bodies, position: vectors(), vectors: vectors(), sums: vec![0.0; blocks] }
     }
 
-    /// The links of a body in its box and the pieces that it is cut in, if it has a box.
+    /// Returns the links of a body in its box and the pieces it is cut into, if it has a box.
     pub(in crate::physics) fn in_box(&mut self, number: usize) -> Option<(&BoxedLinks<f64>, &mut [Piece<f64>])> {
         self.bodies[number].as_mut().map(|InDouble { links, pieces }| (&*links, &mut pieces[..]))
     }
 
-    /// Adds the elastic forces of all links of a body, N; says of how many.
+    /// Adds the elastic forces of all links of a body, N; returns how many links there were.
     pub(in crate::physics) fn add_forces<R: Real>(
         &mut self,
         Substep { model, plan, state, .. }: Substep<'_, R>,
@@ -105,8 +104,9 @@ impl ExactLinks {
         families.filter(|(_, chosen)| *chosen).map(|(family, _)| family.links.len() as u64).sum()
     }
 
-    /// A sum over the links of a body whose particles move with `velocity` (of all particles, m/s) in a substep: over the box,
-    /// or one by one with the velocities of its ends.
+    /// Sums up a quantity over the links of a body whose particles move with `velocity` (of all particles, m/s) in a
+    /// substep. A body with a box is summed by the kernel for `what`, any other body link by link with `one`, given the
+    /// velocities of the ends.
     pub(in crate::physics) fn sum<R: Real>(
         &mut self,
         Substep { model, plan, state, dt, .. }: Substep<'_, R>,
@@ -150,11 +150,11 @@ impl ExactLinks {
     }
 }
 
-/// Work that is done piece by piece, each of which has its own part of what is written.
+/// Work done piece by piece; every piece writes to its own part of the result.
 pub(in crate::physics) struct ByPiece<'a, T, C, W> {
     pub(in crate::physics) pieces: &'a mut [Piece<f64>],
     pub(in crate::physics) to: &'a mut [T],
-    /// How much of it is of a piece.
+    /// Returns how many entries of `to` belong to a piece.
     pub(in crate::physics) of_piece: &'a C,
     pub(in crate::physics) work: &'a W,
 }
@@ -185,7 +185,7 @@ where
     }
 }
 
-/// Where the particles of a body are, rounding included.
+/// Writes the positions of a body's particles with what rounding has kept back from them, m.
 fn place<R: Real>(state: &State<R>, own: Range<usize>, position: &mut [DVec3]) {
     let known = state.position[own.clone()].iter().zip(&state.position_residual[own]);
     for (to, (position, residual)) in position.iter_mut().zip(known) {
@@ -212,7 +212,7 @@ mod tests {
         scene
     }
 
-    /// Forces, N, and sums, J, of a crumpled body: over its box, or along its list.
+    /// Returns the forces, N, and sums, J, of a crumpled body: over its box, or along its list.
     fn work_out(scene: &Scene, in_box: bool, change: impl Fn(&mut Plan)) -> (Vec<DVec3>, [f64; 2]) {
         let simulation = Simulation::<f64>::from_scene(scene, "".as_ref()).expect("a sound scene");
         let (model, mut plan, mut state) = (simulation.model(), simulation.plan().clone(), simulation.state().clone());
@@ -271,7 +271,7 @@ mod tests {
         (force, [of_links, of_rounding])
     }
 
-    /// The largest difference of forces and of sums, as a share of the largest.
+    /// The largest relative difference of the forces and of the sums.
     fn difference(scene: &Scene, change: impl Fn(&mut Plan)) -> f64 {
         let (expected, sums) = work_out(scene, false, |_| ());
         let (found, found_sums) = work_out(scene, true, change);

@@ -1,5 +1,5 @@
-//! The law of a link (GC §2), and the walks over the links of a body. [`crate::physics::kernels`] has the same law for many
-//! links at a time; here is what it is compared with.
+//! The law of a link (GC §2), and walks over the links of a body. [`crate::physics::kernels`] evaluates the same law for
+//! many links at a time and is tested against this module.
 
 use glam::DVec3;
 
@@ -7,27 +7,27 @@ use crate::math::{Real, Vector};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily};
 
-/// Links between two looks at whether to go on: at some 20 ns each well below a hundredth of a second.
+/// Links between two checks whether to stop: at some 20 ns each well below a hundredth of a second.
 const LINKS_A_LOOK: usize = 1 << 16;
 
-/// Where particles are and how fast, to evaluate forces there.
+/// Positions and velocities at which forces are evaluated.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct Configuration<'a, R: Real> {
     /// m.
     pub(in crate::physics) position: &'a [R::Vec3],
     /// m/s.
     pub(in crate::physics) velocity: &'a [R::Vec3],
-    /// What rounding has kept back from the positions, m: with it links are worked out exactly and without their damping,
-    /// as the implicit integrator needs them.
+    /// What rounding has kept back from the positions, m. If given, links are evaluated exactly and without damping, as the
+    /// implicit integrator needs them.
     pub(in crate::physics) residual: Option<&'a [R::Vec3]>,
 }
 
 /// A link in double precision.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct ExactLink {
-    /// From the first end to the second, m.
+    /// Vector from the first end to the second, m.
     pub(in crate::physics) d: DVec3,
-    /// Over the length at rest, 1/m.
+    /// One over the rest length, 1/m.
     pub(in crate::physics) inverse_rest_length: f64,
     /// Force at 100 % strain, N.
     pub(in crate::physics) stiffness: f64,
@@ -97,7 +97,7 @@ pub(in crate::physics) fn for_each_link<R: Real>(
     }
 }
 
-/// Whether the damping of a family is worked out.
+/// Whether the damping of a family is evaluated.
 pub(super) fn is_damped<R: Real>(plan: &Plan, family: &LinkFamily<R>) -> bool {
     family.damping > R::ZERO || !plan.lean
 }
@@ -109,7 +109,8 @@ pub(in crate::physics) struct LinkTangent<R: Real> {
     pub(in crate::physics) direction: R::Vec3,
     /// Stiffness along the direction, N/m.
     pub(in crate::physics) stiffness: R,
-    /// The share of it across the direction, the geometric stiffness of a link under tension; nothing in a squashed one.
+    /// The share of the stiffness that acts across the direction: the geometric stiffness of a link under tension; zero in a
+    /// compressed link.
     pub(in crate::physics) geometric_share: R,
     /// Damping along the direction, N·s/m.
     pub(in crate::physics) damping: R,
@@ -146,7 +147,7 @@ pub(in crate::physics) fn for_each_tangent<R: Real>(
     }
 }
 
-/// The force of a link without damping, N: [`link_force`] to the bit where the damping is zero.
+/// Returns the force of a link without damping, N: bit for bit [`link_force`] with zero damping.
 #[inline]
 pub(in crate::physics) fn elastic_force<R: Real>(d: R::Vec3, inverse_rest_length: R, stiffness: R) -> R::Vec3 {
     let length = d.length();
@@ -156,7 +157,7 @@ pub(in crate::physics) fn elastic_force<R: Real>(d: R::Vec3, inverse_rest_length
     d * (R::ONE / length) * (stiffness * (length * inverse_rest_length - R::ONE))
 }
 
-/// The force on the first end of a link, N (GC §2 with the sign of `F_j` settled: the second end gets the opposite).
+/// Returns the force on the first end of a link, N (GC §2 with the sign of `F_j` settled: the second end gets the opposite).
 ///
 /// `d` and `dv` are the second end's position and velocity relative to the first's, `stiffness` the force at 100 %
 /// strain, `damping` the force at a relative speed of one rest length a second. Two ends in one place have no

@@ -25,28 +25,28 @@ use crate::physics::state::sleep::awake;
 use crate::physics::step::substep::Substep;
 use crate::physics::team::{self, Halves};
 
-/// Room that forces are worked out in.
+/// The workspace of a force evaluation.
 #[derive(Clone, Debug)]
 pub(super) struct ForceWorkspace<R: Real> {
-    /// What recovery from inversion works in.
+    /// Workspaces of recovery from inversion, by body.
     pub(super) recovery: Vec<recovery::RecoveryWorkspace<R>>,
-    /// What links are worked out in where they must be exact.
+    /// The links in double precision, for the implicit scheme.
     pub(super) exact: ExactLinks,
-    /// How many threads work them out.
+    /// The number of threads that evaluate the forces.
     pub(super) threads: usize,
-    /// What each of them has.
+    /// The shares of the threads.
     shares: Vec<Share<R>>,
-    /// What the links of a strained body are summed up in.
+    /// Room for the sums over the links of a strained body.
     pub(super) sums: Sums<R>,
 }
 
 impl<R: Real> ForceWorkspace<R> {
-    /// Whether all particles that a kick was for come to a finite place by it.
+    /// Whether all particles of the last kick reach a finite place.
     pub(super) fn is_finite(&self) -> bool {
         self.shares.iter().all(|share| share.is_finite)
     }
 
-    /// Room for a model under a plan.
+    /// Allocates the workspace for a model under a plan.
     pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
         Self {
             recovery: recovery::RecoveryWorkspace::of_each(model),
@@ -57,8 +57,8 @@ impl<R: Real> ForceWorkspace<R> {
         }
     }
 
-    /// Goes on with a model of the same bodies with other constants. The shares of the threads keep their room where the links
-    /// are still where they were `before`.
+    /// Adapts the workspace to a model of the same bodies with other constants. The shares of the threads keep their room if
+    /// the links are laid out as in the model `before`.
     pub(super) fn fit(&mut self, before: &Model<R>, model: &Model<R>, plan: &Plan) {
         self.recovery = recovery::RecoveryWorkspace::of_each(model);
         self.exact = exact_links(model, plan);
@@ -69,12 +69,12 @@ impl<R: Real> ForceWorkspace<R> {
     }
 }
 
-/// The links of a model as the implicit scheme needs them, constants and all; other schemes need none.
+/// Returns the links of a model in double precision for the implicit scheme; other schemes need none.
 fn exact_links<R: Real>(model: &Model<R>, plan: &Plan) -> ExactLinks {
     if plan.scheme == Scheme::Implicit { ExactLinks::new(model, plan.threads) } else { ExactLinks::default() }
 }
 
-/// Whether the links of two models of the same bodies are in the same places of the same boxes, or of the same lists.
+/// Whether the links of two models of the same bodies lie in the same boxes, or in lists of the same length.
 fn are_laid_out_alike<R: Real>(a: &Model<R>, b: &Model<R>) -> bool {
     a.bodies.iter().zip(&b.bodies).all(|(a, b)| match (&a.boxed_links, &b.boxed_links) {
         (Some(a), Some(b)) => Arc::ptr_eq(&a.layout, &b.layout),
@@ -83,8 +83,8 @@ fn are_laid_out_alike<R: Real>(a: &Model<R>, b: &Model<R>) -> bool {
     })
 }
 
-/// Writes all forces on the particles of bodies that are awake but those of contact, N, and with a kick what they do to
-/// velocities: only where [`those of links come last`](links_come_last).
+/// Writes all forces but those of contact on the particles of awake bodies, N. With a kick it also writes the velocities
+/// that they predict, which is allowed only where [`the forces of links come last`](links_come_last).
 pub(super) fn evaluate<R: Real>(
     substep: Substep<'_, R>,
     at: Configuration<'_, R>,
@@ -122,7 +122,7 @@ pub(super) fn evaluate<R: Real>(
     }
 }
 
-/// Whether nothing but contact adds to the forces after those of links.
+/// Whether no forces but those of contact are added after those of links.
 pub(super) fn links_come_last(plan: &Plan, memory: &[BodyMemory]) -> bool {
     plan.runs(Stage::Links) && !has_recovery(plan, memory)
 }
@@ -131,7 +131,7 @@ fn has_recovery(plan: &Plan, memory: &[BodyMemory]) -> bool {
     plan.recovery && memory.iter().any(BodyMemory::is_watched)
 }
 
-/// Writes the weight of every particle with the forces of all links, N.
+/// Writes the weight of every particle plus the forces of all its links, N.
 fn weight_and_links<R: Real>(
     substep: Substep<'_, R>,
     at: Configuration<'_, R>,
@@ -151,7 +151,7 @@ fn weight_and_links<R: Real>(
     recorder.counters.damped_link_forces += damped_links(substep.model, substep.plan, &substep.state.bodies);
 }
 
-/// Links whose damping is worked out in an evaluation of all forces.
+/// Returns how many links are evaluated with damping in one evaluation of all forces.
 fn damped_links<R: Real>(model: &Model<R>, plan: &Plan, memory: &[BodyMemory]) -> u64 {
     let families = awake(model, memory).flat_map(|body| body.links.iter().zip(plan.families));
     families
@@ -160,19 +160,19 @@ fn damped_links<R: Real>(model: &Model<R>, plan: &Plan, memory: &[BodyMemory]) -
         .sum()
 }
 
-/// Forces of links that are to be added.
+/// A job: add the forces of the links of some shares.
 struct LinkForces<'a, R: Real> {
     substep: Substep<'a, R>,
     at: Configuration<'a, R>,
     shares: &'a mut [Share<R>],
-    /// Those on the particles of the shares, N.
+    /// Forces on the particles of the shares, N.
     force: &'a mut [R::Vec3],
-    /// What they do to the velocities of these particles.
+    /// The kick of these particles, if there is one.
     kick: Option<Kick<'a, R>>,
 }
 
 impl<R: Real> LinkForces<'_, R> {
-    /// Adds them until it is to stop: over the box of a body where it has one, else along the list of its links.
+    /// Adds the forces until `stops`: over the box of a body that has one, else along the list of its links.
     fn add(self, stops: &dyn Fn() -> bool) {
         let Self { substep, at, shares, mut force, mut kick } = self;
         let Substep { model, plan, state, .. } = substep;
@@ -218,19 +218,19 @@ impl<R: Real> LinkForces<'_, R> {
     }
 }
 
-/// The particles of a share that are kicked once their forces are known.
+/// Kicks the particles of a share as soon as their forces are known.
 struct Kicks<'a, R: Real> {
     substep: Substep<'a, R>,
     /// Their body's place among the bodies.
     body: usize,
     particles: Range<usize>,
     kick: Option<Kick<'a, R>>,
-    /// Whether all of them come to a finite place so far.
+    /// Whether all particles kicked so far reach a finite place.
     is_finite: bool,
 }
 
 impl<R: Real> Kicks<'_, R> {
-    /// Kicks a stretch of them, counted from the first, by these forces (N).
+    /// Kicks a stretch of the particles, counted from the first of the share, by these forces (N).
     fn kick(&mut self, stretch: Range<usize>, force: &[R::Vec3]) {
         let Some(Kick { secs, velocity }) = &mut self.kick else { return };
         let Substep { model, plan, state, dt, .. } = self.substep;
@@ -262,23 +262,23 @@ impl<R: Real> Halves for LinkForces<'_, R> {
     }
 
     fn work(self) {
-        // Who may stop it is asked between passes, by the thread that asked for this one.
+        // Whether to stop is asked between passes, by the thread that started this one.
         self.add(&|| false);
     }
 }
 
-/// The velocities that the forces of a substep predict, written as soon as those are known of a stretch of particles: they
-/// are near in the caches then, and on the thread that found them.
+/// The velocities that the forces of a substep predict. They are written as soon as the forces of a stretch of particles are
+/// known, while these are still in the caches and on the thread that found them.
 #[derive(Debug)]
 pub(in crate::physics) struct Kick<'a, R: Real> {
     /// How long the forces act, s.
     pub(in crate::physics) secs: R,
-    /// The velocities then, m/s; those of bodies that sleep are the state's.
+    /// The predicted velocities, m/s; bodies that sleep keep those of the state.
     pub(in crate::physics) velocity: &'a mut [R::Vec3],
 }
 
 impl<R: Real> Kick<'_, R> {
-    /// That of the first particles, which the rest is left without.
+    /// Splits off the kick of the first particles.
     fn split_off(&mut self, count: usize) -> Option<Self> {
         let velocity = self.velocity.split_off_mut(..count)?;
         Some(Self { secs: self.secs, velocity })

@@ -1,4 +1,4 @@
-//! What all forces on particles begin with and what they do to velocities: the weight, and `v += dt a`.
+//! The first and last step of a force evaluation: the weight of particles, and `v += dt a`.
 
 use std::ops::Range;
 
@@ -18,8 +18,8 @@ pub(super) fn weigh<R: Real>(model: &Model<R>, body: &BodyModel<R>, some: Range<
     }
 }
 
-/// `v += dt a` for some particles of a body (local numbers), whose forces (N) and velocities (m/s) these are: `a` is the
-/// force over the mass; held ones stand still.
+/// `v += dt a` for some particles of a body (local numbers), given their forces (N) and velocities (m/s). `a` is the force
+/// over the mass; pinned particles stand still.
 pub(in crate::physics) fn kick_some<R: Real>(
     body: &BodyModel<R>,
     some: Range<usize>,
@@ -35,7 +35,7 @@ pub(in crate::physics) fn kick_some<R: Real>(
     hold_pinned(body, some, velocity);
 }
 
-/// Makes what there is of those of some particles of a body (local numbers) that are pinned nothing: their velocities, say.
+/// Zeroes the entries (such as velocities) of the pinned ones among some particles of a body (local numbers).
 pub(in crate::physics) fn hold_pinned<R: Real, T: Clone + Default>(
     body: &BodyModel<R>,
     some: Range<usize>,

@@ -1,5 +1,5 @@
-//! Which bodies have links far from their length at rest, looked for by all threads of a step: a body that is not strained is
-//! known not to be once all of its links have been seen.
+//! Finds the bodies that have links far from their rest length. All threads of a step search; a body counts as not strained
+//! once all its links have been checked.
 
 use crate::math::{Real, Vector};
 use crate::physics::forces::ForceWorkspace;
@@ -9,19 +9,19 @@ use crate::physics::share::{Share, middle};
 use crate::physics::state::BodyMemory;
 use crate::physics::team::{self, Halves};
 
-/// Where and how particles are whose links are looked at.
+/// A motion along straight lines, in which links are checked for strain.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct StraightMotion<'a, R: Real> {
     /// Positions, m.
     pub(in crate::physics) position: &'a [R::Vec3],
     /// Velocities, m/s.
     pub(in crate::physics) velocity: &'a [R::Vec3],
-    /// For so long they go on, s: links are looked at as they are, and as they would be then.
+    /// Duration of the motion, s: links are checked at its start and at its end.
     pub(in crate::physics) secs: R,
 }
 
 impl<R: Real> StraightMotion<'_, R> {
-    /// That of one body.
+    /// The motion of one body.
     pub(in crate::physics) fn of(self, body: &BodyModel<R>) -> Self {
         let Self { position, velocity, secs } = self;
         Self { position: &position[body.particles.clone()], velocity: &velocity[body.particles.clone()], secs }
@@ -29,8 +29,8 @@ impl<R: Real> StraightMotion<'_, R> {
 }
 
 impl<R: Real> ForceWorkspace<R> {
-    /// Looks which bodies have a link that is strained by more than what `strain` says of them, if it says something, and
-    /// is asked once of each. What is found is [`Self::is_strained`].
+    /// Checks which bodies have a link strained by more than `strain` returns for the body, if it returns a value; it is
+    /// called once for each body. [`Self::is_strained`] tells the result.
     pub(in crate::physics) fn find_strained(
         &mut self,
         model: &Model<R>,
@@ -52,13 +52,13 @@ impl<R: Real> ForceWorkspace<R> {
         }
     }
 
-    /// Whether a body was found to have such a link at the last look.
+    /// Whether the last check found such a link in a body.
     pub(in crate::physics) fn is_strained(&self, body: usize) -> bool {
         self.shares.iter().any(|share| share.body == body && share.is_strained)
     }
 }
 
-/// Shares that are looked through.
+/// A job: check the links of some shares.
 struct Look<'a, R: Real> {
     model: &'a Model<R>,
     memories: &'a [BodyMemory],
@@ -93,7 +93,7 @@ impl<R: Real> Halves for Look<'_, R> {
     }
 }
 
-/// Whether any link is strained by more than so much, or is at the end of the motion.
+/// Whether any link is strained by more than `strain` at the start or at the end of the motion.
 fn is_beyond<R: Real>(body: &BodyModel<R>, own: StraightMotion<'_, R>, strain: f64) -> bool {
     let [shortest, longest] = [1.0 - strain, 1.0 + strain].map(R::from_f64);
     let is_beyond = |d: R::Vec3| {
@@ -103,13 +103,13 @@ fn is_beyond<R: Real>(body: &BodyModel<R>, own: StraightMotion<'_, R>, strain: f
     links(body, own).any(|(d, way)| is_beyond(d) || is_beyond(d + way))
 }
 
-/// The furthest that ends of a link of a body go past each other in the motion, in its lengths at rest.
+/// Returns the longest way that two ends of a link move relative to each other in the motion, in rest lengths of that link.
 pub(in crate::physics) fn longest_way<R: Real>(body: &BodyModel<R>, own: StraightMotion<'_, R>) -> f64 {
     links(body, own).fold(R::ZERO, |most, (_, way)| most.max(way.dot(way))).to_f64().sqrt()
 }
 
-/// From end to end of each link and how that changes in the motion, in lengths at rest; of links without a force, too: their
-/// length tells of the angles between others.
+/// Returns for each link the vector from end to end and its change in the motion, in rest lengths. Links without a force are
+/// included: their length tells of the angles between others.
 fn links<R: Real>(body: &BodyModel<R>, own: StraightMotion<'_, R>) -> impl Iterator<Item = (R::Vec3, R::Vec3)> {
     let StraightMotion { position, velocity, secs } = own;
     body.links.iter().flat_map(|family| family.links.iter()).map(move |link| {

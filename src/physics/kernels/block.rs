@@ -7,22 +7,21 @@ use crate::physics::kernels::layout::BLOCK;
 /// The components of a vector for each corner of a block.
 pub(super) type Lanes<'a, R> = [&'a [R; BLOCK]; 3];
 
-/// Which corners of a block have a link of a direction: those whose mask has the bit.
+/// The corners of a block at which a link of a direction starts: those whose entry has the bit.
 #[derive(Clone, Copy)]
 pub(super) struct Mask<'a> {
     pub(super) of_corners: &'a [u16; BLOCK],
     pub(super) bit: u16,
 }
 
-/// What links do to their first ends, corner by corner of a block, is added to `on_near`, and the opposite to the force on
-/// the other ends, component by component, N. `near` and `far` are where the first and the other ends are and how fast, m
-/// and m/s. Where `IS_MASKED`, only corners of the mask have a link; all of `law`, or where it `IS_EACH` of so many times
-/// its stiffness and damping. Links without constants have no force, and neither have ends in one place, which have no
-/// direction to push in.
+/// Adds the forces of the links of one direction to `on_near`, their first ends, and the opposite forces to `on_far`, their
+/// other ends, N. `near` and `far` are the positions and velocities of both ends, m and m/s. If `IS_MASKED`, only corners of
+/// the mask have a link. All links have the constants `law`; if `IS_EACH`, times the `stiffness` and `damping` of their
+/// corner. Links without constants have no force, and neither have links whose ends are in one place: they have no direction
+/// to push in.
 ///
-/// What is written is borrowed by arguments of their own, and by nothing that is called on the way, as `+=` of a [`Real`]
-/// is: a compiler that had to ask whether it overlaps with what is read would make vectors of this at half the speed or not
-/// at all.
+/// All outputs are separate arguments, and nothing that is called on the way borrows them, as `+=` of a [`Real`] would: a
+/// compiler that must assume that outputs overlap with inputs vectorises this loop at half the speed or not at all.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, clippy::assign_op_pattern, reason = "see above")]
 pub(super) fn add_forces<R: Real, const IS_DAMPED: bool, const IS_MASKED: bool, const IS_EACH: bool>(
@@ -60,7 +59,7 @@ pub(super) fn add_forces<R: Real, const IS_DAMPED: bool, const IS_MASKED: bool, 
         };
         let slope = if squared > R::ZERO { slope } else { R::ZERO };
         let slope = if IS_MASKED {
-            // A factor and no condition: the narrowest instructions would branch on that, one link at a time.
+            // A factor instead of a condition: with the narrowest instructions a condition becomes a branch for every link.
             slope * if mask.of_corners[lane] & mask.bit == 0 { R::ZERO } else { R::ONE }
         } else {
             slope

@@ -1,19 +1,19 @@
-//! Boxes around many vectors at a time, and whether all of them are finite.
+//! Bounding boxes of many vectors at a time, and whether all of them are finite.
 //!
-//! Vectors lie in memory as `x y z x y z …`. Of 16 that follow one another each number has a place in an array of 48, and
-//! the smallest of all numbers at a place is found without a branch, for all places at once. The smallest of a component
-//! is that of 16 places in the end: the order does not matter to it, so every level finds the same.
+//! Vectors lie in memory as `x y z x y z …`. Each number of 16 contiguous vectors has a place in an array of 48, and the
+//! smallest number at each place is found for all places at once, without a branch. In the end the smallest of a component
+//! is the smallest of its 16 places: the order does not matter, so every level finds the same.
 
 use crate::math::{Aabb, Real, Vector, components};
 use crate::physics::kernels::SimdLevel;
 
-/// Numbers of so many vectors at a time.
+/// Numbers that are worked on at a time: those of 16 vectors.
 const PLACES: usize = 3 * 16;
 
-/// Vectors that have a box together, where they are boxed in groups.
+/// Vectors that share a bounding box, where they are boxed in groups.
 pub(in crate::physics) const GROUP: usize = 64;
 
-/// The box around some vectors.
+/// Returns the bounding box of some vectors.
 pub(in crate::physics) fn bounds<R: Real>(level: SimdLevel, of: &[R::Vec3]) -> Aabb<R> {
     level.run(
         #[inline(always)]
@@ -25,7 +25,7 @@ pub(in crate::physics) fn bounds<R: Real>(level: SimdLevel, of: &[R::Vec3]) -> A
     )
 }
 
-/// The box around the ways from some vectors to as many others.
+/// Returns the bounding box of the differences `to - from` of pairs of vectors.
 pub(in crate::physics) fn bounds_of_ways<R: Real>(level: SimdLevel, from: &[R::Vec3], to: &[R::Vec3]) -> Aabb<R> {
     level.run(
         #[inline(always)]
@@ -37,8 +37,8 @@ pub(in crate::physics) fn bounds_of_ways<R: Real>(level: SimdLevel, from: &[R::V
     )
 }
 
-/// Writes the box around the motion of each [`GROUP`] of particles that move from `position` (m) for `secs` with `velocity`
-/// (m/s).
+/// Writes the bounding box of the motion of each [`GROUP`] of particles that move from `position` (m) for `secs` with
+/// `velocity` (m/s).
 pub(in crate::physics) fn motion_bounds<R: Real>(
     level: SimdLevel,
     position: &[R::Vec3],
@@ -58,8 +58,8 @@ pub(in crate::physics) fn motion_bounds<R: Real>(
     );
 }
 
-/// Whether particles that move from `position` (m) for `secs` along `path` (m/s) come to a finite place: with what is not
-/// finite itself they do not.
+/// Whether all particles that move from `position` (m) for `secs` along `path` (m/s) come to a finite place. False if an
+/// input is not finite.
 pub(in crate::physics) fn are_finite<R: Real>(
     level: SimdLevel,
     position: &[R::Vec3],
@@ -92,7 +92,7 @@ impl<R: Real> Extremes<R> {
         Self { low: [infinity; PLACES], high: [-infinity; PLACES] }
     }
 
-    /// With the numbers `from`, and where they `MOVE` those they come to.
+    /// Includes the numbers `from` and, if they `MOVE`, those they come to.
     #[inline(always)]
     fn include<const MOVE: bool>(&mut self, from: &[R], velocity: &[R], secs: R) {
         let (whole, rest) = from.as_chunks::<PLACES>();
@@ -107,7 +107,7 @@ impl<R: Real> Extremes<R> {
         }
     }
 
-    /// With the ways from numbers to others.
+    /// Includes the differences `to - from`.
     #[inline(always)]
     fn include_ways(&mut self, from: &[R], to: &[R]) {
         let ((whole, rest), (ends, ends_rest)) = (from.as_chunks::<PLACES>(), to.as_chunks::<PLACES>());
@@ -123,7 +123,7 @@ impl<R: Real> Extremes<R> {
 
     #[inline(always)]
     fn take<const MOVE: bool>(&mut self, place: usize, from: R, velocity: R, secs: R) {
-        // No `min`: what it owes to NaN costs as much again. One is passed over here too.
+        // Not `min`, whose rules for NaN double the cost. A NaN is passed over here too.
         let smaller = |a: R, b: R| if b < a { b } else { a };
         let larger = |a: R, b: R| if b > a { b } else { a };
         let (mut low, mut high) = (smaller(self.low[place], from), larger(self.high[place], from));
@@ -150,7 +150,7 @@ pub(super) mod tests {
     use super::*;
     use crate::math::rng::Rng;
 
-    /// So many vectors, drawn.
+    /// Draws `count` random vectors.
     pub(in crate::physics::kernels) fn random(count: usize, rng: &mut Rng) -> Vec<Vec3> {
         let vector = |rng: &mut Rng| Vec3::from_dvec3(DVec3::from([0; 3].map(|_| rng.between(-5.0, 5.0))));
         (0..count).map(|_| vector(rng)).collect()

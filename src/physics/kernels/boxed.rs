@@ -1,4 +1,4 @@
-//! The links of a body in its box, and what they are made of.
+//! The links of a body in its box, and their constants.
 
 use std::sync::Arc;
 
@@ -35,12 +35,12 @@ impl<R: Real> Law<R> {
     }
 }
 
-/// What the links of a term are made of.
+/// The constants of the links of a term.
 #[derive(Clone, Debug)]
 pub(super) enum TermLaw<R> {
-    /// All the same.
+    /// All links have the same constants.
     Alike(Law<R>),
-    /// One each.
+    /// Every link has its own.
     Each(Box<EachLaw<R>>),
 }
 
@@ -64,22 +64,22 @@ impl<R: Real> TermLaw<R> {
 enum Laws<R> {
     /// All links of a direction are alike.
     OfSlot([TermLaw<R>; 16]),
-    /// By term.
+    /// One law for each term.
     OfTerm(Vec<TermLaw<R>>),
 }
 
 /// The links of a body in its box.
 #[derive(Clone, Debug)]
 pub(in crate::physics) struct BoxedLinks<R> {
-    /// Where they are.
+    /// Where the links are.
     pub(in crate::physics) layout: Arc<Layout>,
     laws: Laws<R>,
-    /// Of the links of each direction, 1/m.
+    /// One over the rest length of the links of each direction, 1/m.
     pub(super) inverse_rest_length: [f64; 16],
 }
 
 impl<R: Real> BoxedLinks<R> {
-    /// The links of a lattice in its box.
+    /// Puts the links of a lattice into its box.
     pub(in crate::physics) fn new(layout: Arc<Layout>, lattice: &Lattice, families: &[LinkFamily<R>; 3]) -> Self {
         let exact: [f64; 16] = STENCIL.map(|step| {
             let squared: i32 = step.iter().map(|d| d * d).sum();
@@ -114,7 +114,7 @@ impl<R: Real> BoxedLinks<R> {
         Self { layout, laws: Laws::OfTerm(laws), inverse_rest_length: exact }
     }
 
-    /// The same in double precision, with rest lengths that are not rounded.
+    /// Returns the same links in double precision, with rest lengths that are not rounded.
     pub(in crate::physics) fn in_double(&self) -> BoxedLinks<f64> {
         let Self { layout, laws, inverse_rest_length } = self;
         let law = |slot: usize, of: &TermLaw<R>| of.in_double(inverse_rest_length[slot]);
@@ -127,12 +127,12 @@ impl<R: Real> BoxedLinks<R> {
         BoxedLinks { layout: Arc::clone(layout), laws, inverse_rest_length: *inverse_rest_length }
     }
 
-    /// How many blocks there are.
+    /// Returns how many blocks there are.
     pub(in crate::physics) fn block_count(&self) -> usize {
         self.layout.blocks.len()
     }
 
-    /// What the links of a term are made of.
+    /// Returns the constants of the links of a term.
     #[inline(always)]
     pub(super) fn law(&self, term: usize, slot: usize) -> &TermLaw<R> {
         match &self.laws {
@@ -142,7 +142,7 @@ impl<R: Real> BoxedLinks<R> {
     }
 }
 
-/// Gives the links of one family, with the corners they start at ascending, the constants of each.
+/// Stores the constants of the links of one family, which are given in ascending order of the corners they start at.
 fn share_out<R: Real>(
     layout: &Layout,
     links: impl Iterator<Item = ((usize, usize), [R; 2])>,
@@ -168,7 +168,7 @@ fn share_out<R: Real>(
     }
 }
 
-/// The law of the links of one direction in a block, where they are all alike.
+/// Returns the law of the links of one direction in a block, if they are all alike.
 fn common<R: Real>(each: &EachLaw<R>, slot: usize, masks: &[u16]) -> Option<Law<R>> {
     let EachLaw { unit, stiffness, damping } = each;
     let lanes = (0..BLOCK).filter(|lane| masks[*lane] >> slot & 1 == 1);

@@ -1,7 +1,7 @@
-//! What a motion along straight lines does to the energy of the links of a body, in double precision.
+//! How a motion along straight lines changes the energy of a body's links, in double precision.
 //!
-//! A sum has a part for each block of corners, and the parts are added up in the order of the blocks: it is the same however
-//! the body is cut.
+//! A sum has one part for each block of corners, and the parts are added in the order of the blocks, so it is the same
+//! however the body is cut.
 
 use glam::DVec3;
 
@@ -12,19 +12,19 @@ use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
 use crate::physics::kernels::sweep::{Window, for_each_panel, lanes, lanes_of};
 
-/// What is summed up over the links of a body whose particles move with some velocities for some time.
+/// The quantity that is summed up over the links of a body whose particles move at constant velocities for some time.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) enum LinkSum {
-    /// The energy, J, that the links have in the end past what their forces at the beginning did not do:
+    /// The energy that the links gain, J, less the work against their forces at the beginning:
     ///
     /// ```text
     /// k l0/2 (ε'² − ε²) − k ε δ = k (ε (Δ − δ) + Δ²/2 l0)
     /// ```
     ///
-    /// for a link that gets longer by Δ, which without its turn would be δ. Both without differences of lengths: in a body at
-    /// rest they are nothing but rounding.
+    /// for a link that gets longer by Δ, and would get longer by δ if it did not turn. Neither is computed as a difference
+    /// of lengths: in a body at rest such differences are nothing but rounding.
     PastForces,
-    /// What rounding alone may give or take, J, where it is this share of a number.
+    /// The energy that rounding alone may give or take, J, if it is this share of a number.
     Rounding {
         /// Of the forces at the beginning.
         of_force: f64,
@@ -33,8 +33,8 @@ pub(in crate::physics) enum LinkSum {
     },
 }
 
-/// The sum over some families of the links of a body that start in each block of a piece is written to `sums`. The particles
-/// of the body are at `position` (m) and move with `velocity` (m/s) for `secs`.
+/// Writes to `sums` the sum over the links of some families for each block of a piece, over the links that start there. The
+/// particles of the body are at `position` (m) and move with `velocity` (m/s) for `secs`.
 #[expect(clippy::too_many_arguments, reason = "what is read and written by a loop that knows nothing else")]
 pub(in crate::physics) fn sum_over_links(
     links: &BoxedLinks<f64>,
@@ -92,7 +92,8 @@ pub(in crate::physics) fn sum_over_links(
     );
 }
 
-/// [`LinkSum::PastForces`] of the links of one direction that start in one block, all of `law`, so many times its stiffness.
+/// Adds [`LinkSum::PastForces`] of the links of one direction that start in one block: all of `law`, times the `stiffness`
+/// of their corner.
 #[inline(always)]
 #[expect(clippy::assign_op_pattern, reason = "as of the forces of links")]
 fn past_forces(
@@ -121,15 +122,15 @@ fn past_forces(
         let longer = (2.0 * along + squared) / both;
         let turned = (before * squared - longer * along) / (before * both);
         let moved = (slope * before - stiffness) * turned + 0.5 * slope * longer * longer;
-        // A link without length pulls nowhere in the beginning.
+        // A link without length has no force at the beginning.
         let from_a_point = 0.5 * (slope * after - 2.0 * stiffness) * after;
         let energy = if before > 0.0 { moved } else { from_a_point };
         sum[lane] = sum[lane] + if mask.of_corners[lane] & mask.bit == 0 { 0.0 } else { energy };
     }
 }
 
-/// [`LinkSum::Rounding`] of the links of one direction that start in one block, all of `law`, so many times its stiffness
-/// and damping.
+/// Adds [`LinkSum::Rounding`] of the links of one direction that start in one block: all of `law`, times the `stiffness` and
+/// `damping` of their corner.
 #[inline(always)]
 #[expect(clippy::assign_op_pattern, reason = "as of the forces of links")]
 fn rounding(

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::geometry::Lattice;
 
-/// Corners that are worked on at a time. Two or four times fewer cost the widest instructions a tenth to a third on full
-/// bodies, more work on nothing in thin ones.
+/// Corners that are worked on at a time. Half or a quarter as many slow the widest instructions down by a tenth to a third
+/// on full bodies; more waste work on empty places in thin ones.
 pub(super) const BLOCK: usize = 64;
 
 /// The steps to the higher ends of links: 3 structural, 10 shear, 3 bending.
@@ -28,10 +28,11 @@ pub(super) const STENCIL: [[i32; 3]; 16] = [
     [0, 0, 2],
 ];
 
-/// The family of each step. No constant: a loop that looked into one would write all of it down first, every time.
+/// The family of each step. A `static`, not a `const`: a loop that indexes a constant array copies it to the stack first,
+/// every time.
 pub(super) static FAMILY: [usize; 16] = [0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2];
 
-/// The place in the stencil of each step, at `dx + 2 + 5 (dy + 2 + 5 (dz + 2))`.
+/// The index of each step in the stencil, at `dx + 2 + 5 (dy + 2 + 5 (dz + 2))`.
 const PLACE: [usize; 125] = {
     let mut place = [usize::MAX; 125];
     let mut slot = 0;
@@ -45,21 +46,21 @@ const PLACE: [usize; 125] = {
     place
 };
 
-/// The most places in blocks for each link: past that a walk along the list of links is no slower, as a link of it takes
-/// as long as 4 places of the narrowest vector instructions.
+/// The most places in blocks for each link. Beyond it a walk along the list of links is no slower: one link of a list takes
+/// as long as 4 places with the narrowest vector instructions.
 pub(super) const MOST_PLACES_A_LINK: usize = 4;
 
-/// The most corners of the box for each particle: past that the box takes more memory than the list of the links.
+/// The most corners of the box for each particle. Beyond it the box takes more memory than the list of links.
 pub(in crate::physics) const MOST_CORNERS_A_PARTICLE: usize = 16;
 
-/// Corners of a plane by multiples of which what is at the same place of several planes is kept in the same few places of a
+/// If a plane has a multiple of this many corners, the same place of several planes falls into the same few lines of a
 /// cache: 2 KiB in single precision.
 const LEAST_ALIKE: usize = 512;
 
-/// What a corner of the box takes in single precision: position, velocity, force and mask, bytes.
+/// Memory for a corner of the box in single precision, bytes: position, velocity, force and mask.
 pub(in crate::physics) const BYTES_A_CORNER: usize = size_of::<[f32; 9]>() + size_of::<u16>();
 
-/// Particles that follow one another in the body and in the box.
+/// Particles that are consecutive both in the body and in the box.
 #[derive(Clone, Debug)]
 pub(super) struct Run {
     /// Local numbers.
@@ -69,7 +70,7 @@ pub(super) struct Run {
 }
 
 impl Run {
-    /// Its particles and its corners, counted from a particle and a corner.
+    /// Returns the run's particles and corners, counted from a particle and a corner.
     #[inline(always)]
     pub(super) fn past(&self, [particle, corner]: [usize; 2]) -> [Range<usize>; 2] {
         let corner = self.corner - corner;
@@ -82,7 +83,7 @@ impl Run {
 pub(super) struct Block {
     /// The first corner.
     pub(super) first: usize,
-    /// Which of the terms are of this block.
+    /// The terms of this block.
     pub(super) terms: Range<usize>,
 }
 
@@ -91,7 +92,7 @@ pub(super) struct Block {
 pub(super) struct Term {
     /// The direction, a place in [`STENCIL`].
     pub(super) slot: usize,
-    /// How many there are: as many as the block has corners, or fewer, and then the masks say which.
+    /// How many links there are: as many as the block has corners, or fewer, and then the masks say where they start.
     pub(super) links: usize,
 }
 
@@ -100,22 +101,22 @@ pub(super) struct Term {
 pub(in crate::physics) struct Layout {
     origin: [u32; 3],
     dims: [usize; 3],
-    /// The distance between the numbers of the ends, by direction.
+    /// The difference of the corner numbers of a link's ends, by direction.
     pub(super) offsets: [usize; 16],
-    /// Corners that have to be there, with those that blocks reach past the last.
+    /// Corners that vectors over the box need, including those that blocks reach past the last.
     pub(super) corners: usize,
     /// Where the particles are.
     pub(super) runs: Vec<Run>,
-    /// Which directions have a link that starts at a corner, one bit each.
+    /// The directions of the links that start at each corner, one bit each.
     pub(super) masks: Vec<u16>,
     /// The blocks in which links start, ascending.
     pub(super) blocks: Vec<Block>,
-    /// The directions of each block, ascending.
+    /// The terms of all blocks, by block and ascending direction.
     pub(super) terms: Vec<Term>,
 }
 
 impl Layout {
-    /// The box of a lattice; none where it would be mostly empty.
+    /// Returns the box of a lattice; none if it would be mostly empty.
     pub(in crate::physics) fn new(lattice: &Lattice) -> Option<Self> {
         let layout = Self::bounding(lattice)?;
         let [nx, ny, nz] = layout.dims;
@@ -128,7 +129,7 @@ impl Layout {
         (places <= MOST_PLACES_A_LINK * links).then_some(layout)
     }
 
-    /// The box with the particles and links of a lattice, however empty it is.
+    /// Fills the box with the particles and links of a lattice, however empty it is.
     pub(super) fn filled(mut self, lattice: &Lattice) -> Self {
         for family in 0..3 {
             for (from, slot) in self.starts_of(lattice, family).collect::<Vec<_>>() {
@@ -140,7 +141,7 @@ impl Layout {
         self
     }
 
-    /// An empty box around a lattice.
+    /// Returns an empty box around a lattice.
     pub(super) fn bounding(lattice: &Lattice) -> Option<Self> {
         let first = *lattice.corners.first()?;
         let (low, high) = lattice.corners.iter().fold((first, first), |(low, high), corner| {
@@ -148,12 +149,12 @@ impl Layout {
             (pick(low, u32::min), pick(high, u32::max))
         });
         let [nx, ny, nz] = [0, 1, 2].map(|axis| (high[axis] - low[axis]) as usize + 1);
-        // An empty place at the end of each row keeps planes from lying on each other in the caches.
+        // An empty place at the end of each row keeps planes from falling into the same lines of the caches.
         let nx = if (nx * ny).is_multiple_of(LEAST_ALIKE) { nx + 1 } else { nx };
         let dims = [nx, ny, nz];
         let count = nx * ny * nz;
         let strides = [1, nx, nx * ny];
-        // A step that leads down along one axis leads up along a later one, by more.
+        // A step that goes down along one axis goes up along a later one, whose stride is larger.
         let offsets = STENCIL.map(|step| {
             let way = |downwards: bool| -> usize {
                 let along = step.iter().zip(strides).filter(|(d, _)| (**d < 0) == downwards);
@@ -174,13 +175,13 @@ impl Layout {
         })
     }
 
-    /// The number of a grid corner.
+    /// Returns the number of a grid corner.
     fn number(&self, corner: [u32; 3]) -> usize {
         let [x, y, z] = [0, 1, 2].map(|axis| (corner[axis] - self.origin[axis]) as usize);
         x + self.dims[0] * (y + self.dims[1] * z)
     }
 
-    /// The corner at which every link of a family starts, and its direction.
+    /// Returns, for every link of a family, the corner at which it starts and its direction.
     pub(super) fn starts_of(&self, lattice: &Lattice, family: usize) -> impl Iterator<Item = (usize, usize)> {
         lattice.links[family].iter().map(|ends| {
             let [from, to] = ends.map(|end| lattice.corners[end as usize]);
@@ -199,7 +200,7 @@ impl Layout {
         }
     }
 
-    /// Each block begins at the first corner with a link that the one before does not reach.
+    /// Lays out the blocks: each begins at the first corner with a link past the block before.
     fn find_blocks(&mut self) {
         let mut from = 0;
         while let Some(skipped) = self.masks[from..].iter().position(|mask| *mask != 0) {

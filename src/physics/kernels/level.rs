@@ -1,11 +1,11 @@
-//! How wide the vector instructions are that a kernel is compiled for, chosen while the program runs.
+//! The width of the vector instructions that a kernel uses, chosen while the program runs.
 
 use std::sync::OnceLock;
 
 /// A set of vector instructions. All of them give the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SimdLevel {
-    /// What every machine of the architecture has.
+    /// The instructions that every machine of the architecture has.
     Portable,
     /// AVX2: 8 numbers of single precision at a time.
     Avx2,
@@ -13,14 +13,14 @@ pub enum SimdLevel {
     Avx512,
 }
 
-/// What new plans use; the best of the machine where nobody has chosen.
+/// The level of new plans: the best of the machine if none was chosen.
 static CHOSEN: OnceLock<SimdLevel> = OnceLock::new();
 
 impl SimdLevel {
     /// All levels, narrowest first.
     pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// The level's word on the command line and in figures.
+    /// Returns the level's name on the command line and in figures.
     pub fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
@@ -29,7 +29,7 @@ impl SimdLevel {
         }
     }
 
-    /// Whether the machine has it.
+    /// Whether the machine supports this level.
     pub fn is_available(self) -> bool {
         match self {
             Self::Portable => true,
@@ -38,24 +38,25 @@ impl SimdLevel {
         }
     }
 
-    /// The widest that the machine has.
+    /// Returns the widest level that the machine supports.
     pub fn best() -> Self {
         Self::ALL.into_iter().rev().find(|level| level.is_available()).unwrap_or(Self::Portable)
     }
 
-    /// What new plans use.
+    /// Returns the level of new plans.
     pub fn chosen() -> Self {
         *CHOSEN.get_or_init(Self::best)
     }
 
-    /// Has every plan made from now on use this level. Says whether it does: the first choice of a process holds, and one
-    /// that the machine lacks is none.
+    /// Makes every plan from now on use this level. Returns whether it does: the first choice of a process is final, and a
+    /// level that the machine lacks cannot be chosen.
     #[must_use]
     pub fn choose(self) -> bool {
         self.is_available() && *CHOSEN.get_or_init(|| self) == self
     }
 
-    /// Does some work, compiled for this level where `work` is inlined; as every machine can where it lacks the level.
+    /// Runs `work`, compiled for this level if `work` is inlined. A machine that lacks the level runs it with the
+    /// instructions that every machine has.
     #[inline(always)]
     pub fn run<T>(self, work: impl FnOnce() -> T) -> T {
         match self {
@@ -66,7 +67,7 @@ impl SimdLevel {
     }
 }
 
-/// A function of its own, as the other levels have one: within a larger one loops are not made vectors of.
+/// A separate function, as at the other levels: inlined into a larger one, loops are not vectorised.
 #[inline(never)]
 fn run_portable<T>(work: impl FnOnce() -> T) -> T {
     work()
@@ -102,7 +103,7 @@ mod x86 {
     }
 }
 
-/// Other processors have none of them.
+/// Other processors support none of these levels.
 #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
 mod x86 {
     pub(super) fn has_avx2() -> bool {

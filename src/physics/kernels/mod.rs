@@ -1,12 +1,12 @@
-//! The forces of links, many at a time: the law of [`crate::physics::forces::links`], worked out over the grid that a
-//! body was cut from.
+//! The forces of links, many at a time: the law of [`crate::physics::forces::links`], evaluated over the grid that a body
+//! was cut from.
 //!
 //! # Theory
 //!
-//! Every link of a lattice leads from a particle to one of 16 higher neighbours: 13 corners of the cells around it, and
-//! the next but one along each axis. In a dense box of grid corners, numbered `x + nx (y + ny z)`, each of these 16 is
-//! one constant distance between numbers, so the links of one direction need no list: where they start is one bit a
-//! corner, and what they are made of is one law, or a value a corner where the material differs.
+//! Every link of a lattice leads from a particle to one of 16 higher neighbours: 13 corners of the cells around it, and the
+//! next but one along each axis. In a dense box of grid corners, numbered `x + nx (y + ny z)`, each of these 16 directions
+//! is a constant distance between corner numbers. So the links of one direction need no list: one bit a corner says whether
+//! a link starts there, and their constants are one law, or one value a corner where the material differs.
 //!
 //! ```text
 //!   block of 64 corners    i ──────────────────►        positions, velocities and forces each as
@@ -14,19 +14,18 @@
 //!   mask                   1 1 0 1 1 …                  bit of the direction
 //! ```
 //!
-//! The loop over a block has no branch and reads what follows one another in memory: compilers make vector instructions
-//! of it as wide as the machine has. It is written once, in safe code, and compiled for every level
-//! ([`SimdLevel`]); it adds, multiplies, divides and takes square roots as IEEE 754 says, without fused operations, and
-//! the order of the sums is that of blocks and directions alone. So every level gives the same bits.
+//! The loop over a block has no branch and reads contiguous memory, so compilers vectorise it as wide as the machine allows.
+//! It is written once, in safe code, and compiled for every level ([`SimdLevel`]). It adds, multiplies, divides and takes
+//! square roots as IEEE 754 says, without fused operations, and the order of the sums depends on blocks and directions
+//! alone. So every level gives the same bits.
 //!
 //! # Practice
 //!
 //! [`Layout`] follows from the lattice alone and is shared between compilations; [`BoxedLinks`] adds the constants of the
-//! links; both are constant. A [`Piece`] is what a sweep works in, one for each thread that has a part of the body,
-//! with room for no more than what is under way.
-//! [`Tangents`] are how the forces change, as a matrix: the implicit scheme multiplies with it. A body that fills so little of its box
-//! that going through the list of its links is cheaper has no layout: what counts is the number of places in blocks for
-//! each link, which is the same on every machine.
+//! links; both are constant. A [`Piece`] is the workspace of a sweep, one for each thread that has a part of the body, with
+//! room only for the window that is being worked on. [`Tangents`] are the derivatives of the forces as a matrix, which the
+//! implicit scheme multiplies with. A body has no layout if it fills so little of its box that a walk along the list of its
+//! links is cheaper: what counts is the number of places in blocks for each link, which is the same on every machine.
 
 #![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 

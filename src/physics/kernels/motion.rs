@@ -1,12 +1,12 @@
 //! The loops over particles that advance them.
 //!
-//! What happens to a vector happens to each of its components alike, so these loops go over components as they lie in
-//! memory, and have neither a branch nor an order.
+//! All components of a vector are treated alike, so these loops go over components as they lie in memory, without branches
+//! and in no particular order.
 
 use crate::math::{Real, components, components_mut};
 use crate::physics::kernels::SimdLevel;
 
-/// `v += factor F`: velocities (m/s) after forces (N), all of which count alike.
+/// `v += factor F`: changes velocities (m/s) by forces (N), with the same factor for all.
 pub(in crate::physics) fn kick<R: Real>(level: SimdLevel, factor: R, force: &[R::Vec3], velocity: &mut [R::Vec3]) {
     level.run(
         #[inline(always)]
@@ -18,7 +18,7 @@ pub(in crate::physics) fn kick<R: Real>(level: SimdLevel, factor: R, force: &[R:
     );
 }
 
-/// `v += dt F/m`: velocities (m/s) after forces (N) that act on masses (kg) for `secs`.
+/// `v += dt F/m`: changes velocities (m/s) by forces (N) that act on masses (kg) for `secs`.
 pub(in crate::physics) fn kick_each<R: Real>(
     level: SimdLevel,
     secs: R,
@@ -36,8 +36,8 @@ pub(in crate::physics) fn kick_each<R: Real>(
     );
 }
 
-/// `x += dt u`, with what rounding keeps back carried to the next step (Kahan 1965): positions, m, after `secs` along a path,
-/// m/s.
+/// `x += dt u`: moves positions, m, for `secs` along a path, m/s. What rounding keeps back is carried to the next step
+/// (Kahan 1965).
 pub(in crate::physics) fn advance<R: Real>(
     level: SimdLevel,
     secs: R,
@@ -59,8 +59,8 @@ pub(in crate::physics) fn advance<R: Real>(
     );
 }
 
-/// How much of each there is in the next stage of a scheme: what the stage before and the one before that have gone from the
-/// state, and the slopes at the last stage and at the first, s.
+/// The weights of the next stage of a scheme: of how far the last stage and the one before it have gone from the state, and
+/// of the slopes at the last stage and at the first, s.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct StageTerms<R> {
     pub(in crate::physics) last: R,
@@ -69,8 +69,8 @@ pub(in crate::physics) struct StageTerms<R> {
     pub(in crate::physics) first: R,
 }
 
-/// What a stage is made of, by particle: how far the last one has gone from the state, the slopes times what they are
-/// multiplied by, and the state.
+/// The inputs of a stage, by particle: how far the last stage has gone from the state, the slopes before they are multiplied
+/// by their scale, and the state.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct StageSources<'a, R: Real> {
     pub(in crate::physics) last: &'a [R::Vec3],
@@ -79,8 +79,8 @@ pub(in crate::physics) struct StageSources<'a, R: Real> {
     pub(in crate::physics) start: &'a [R::Vec3],
 }
 
-/// Goes to the next stage: `gone` is how far the stage before the last has gone and becomes how far the next has, and `at`
-/// becomes where that is. Slopes are multiplied by `scale`.
+/// Goes to the next stage. `gone` holds how far the stage before the last has gone from the state and receives how far the
+/// next one has; `at` receives the next stage itself. Slopes are multiplied by `scale`.
 pub(in crate::physics) fn next_stage<R: Real>(
     level: SimdLevel,
     terms: StageTerms<R>,
@@ -105,8 +105,7 @@ pub(in crate::physics) fn next_stage<R: Real>(
     );
 }
 
-/// What is written is borrowed by arguments of their own: a compiler that had to ask which of six overlap would make no
-/// vectors of this.
+/// The outputs are separate arguments: a compiler that must ask which of six slices overlap does not vectorise this loop.
 #[inline(always)]
 fn stage_components<R: Real>(
     terms: StageTerms<R>,
@@ -128,7 +127,7 @@ fn stage_components<R: Real>(
     }
 }
 
-/// The same where each particle's slopes are divided by a mass of its own.
+/// [`next_stage`] where each particle's slopes are divided by a mass of its own.
 pub(in crate::physics) fn next_stage_each<R: Real>(
     level: SimdLevel,
     terms: StageTerms<R>,

@@ -1,4 +1,4 @@
-//! Every kernel is compared with the readable loop over the list of links: on bodies of all shapes and materials, with and
+//! Compares every kernel with the readable loop over the list of links: on bodies of all shapes and materials, with and
 //! without damping and bending, at every level and in both precisions.
 
 use std::sync::Arc;
@@ -35,10 +35,10 @@ fn shapes() -> Vec<Shape> {
     shapes.extend([[30, 30, 1], [30, 1, 30], [1, 30, 30]].map(|dims| shape("sheet", dims, full)));
     let mut rng = Rng::new(11);
     shapes.extend([0.5, 0.8].map(|share| shape("subset", [9, 8, 7], |_| rng.between(0.0, 1.0) < share)));
-    // More corners than a window has, also where they are halved.
+    // More corners than a window has, even after a cut into halves.
     shapes.push(shape("block", [9, 9, 300], full));
     shapes.push(shape("subset", [9, 300, 9], |_| rng.between(0.0, 1.0) < 0.8));
-    // Rows with a place more than they need.
+    // Rows with one place more than they need.
     shapes.push(shape("block", [31, 15, 3], full));
     shapes.push(shape("shell", [12, 12, 12], |cell| cell.iter().any(|c| [0, 11].contains(c))));
     shapes
@@ -49,7 +49,7 @@ fn shapes() -> Vec<Shape> {
 enum Material {
     /// All alike, as springs are.
     Alike,
-    /// Two values each in no order, as in bodies of two materials.
+    /// Each link has one of two values, in no order, as in bodies of two materials.
     Mixed,
 }
 
@@ -75,7 +75,7 @@ fn families<R: Real>(lattice: &Lattice, material: Material, damping: [f64; 3]) -
     })
 }
 
-/// Crumpled and in motion, with two particles in one place.
+/// Positions and velocities of a crumpled body in motion, with two particles in one place.
 fn motion<R: Real>(lattice: &Lattice) -> [Vec<R::Vec3>; 2] {
     let mut rng = Rng::new(7);
     let mut noise = |size: f64| DVec3::from([0; 3].map(|_| rng.between(-size, size)));
@@ -86,7 +86,7 @@ fn motion<R: Real>(lattice: &Lattice) -> [Vec<R::Vec3>; 2] {
     [position.into_iter().map(R::Vec3::from_dvec3).collect(), velocity]
 }
 
-/// The sum of forces on every particle, and of the magnitudes of what it is made of: what its rounding is measured by.
+/// Returns the sum of forces on every particle, and the sum of their magnitudes, which rounding errors are measured against.
 fn listed<R: Real>(
     families: &[LinkFamily<R>; 3],
     [position, velocity]: &[Vec<R::Vec3>; 2],
@@ -111,13 +111,13 @@ fn listed<R: Real>(
     (force, scale)
 }
 
-/// The links in their box, whether it pays or not.
+/// Puts the links into their box, whether it pays or not.
 fn in_box<R: Real>(lattice: &Lattice, families: &[LinkFamily<R>; 3]) -> BoxedLinks<R> {
     let layout = Layout::bounding(lattice).expect("a body is not empty").filled(lattice);
     BoxedLinks::new(Arc::new(layout), lattice, families)
 }
 
-/// The same forces from the kernel.
+/// Returns the same forces from the kernel.
 fn boxed<R: Real>(
     links: &BoxedLinks<R>,
     motion: &[Vec<R::Vec3>; 2],
@@ -127,7 +127,7 @@ fn boxed<R: Real>(
     in_pieces(links, motion, chosen, level, &[])
 }
 
-/// The same, of a body that is cut after these shares of its work. It begins with forces that others left.
+/// Returns the same forces of a body that is cut after these shares of its work. The workspace starts with NaN in it.
 fn in_pieces<R: Real>(
     links: &BoxedLinks<R>,
     [position, velocity]: &[Vec<R::Vec3>; 2],
@@ -151,7 +151,7 @@ fn in_pieces<R: Real>(
     (force, count)
 }
 
-/// The largest difference between two sets of forces, in roundings of what they are sums of.
+/// Returns the largest difference between two sets of forces, in rounding errors of the sums of magnitudes.
 fn largest_difference<R: Real>(a: &[R::Vec3], b: &[R::Vec3], scale: &[f64]) -> f64 {
     let differences = a.iter().zip(b).zip(scale).map(|((a, b), scale)| {
         let difference = (a.to_dvec3() - b.to_dvec3()).length();
@@ -168,8 +168,8 @@ fn levels() -> impl Iterator<Item = SimdLevel> {
 const CUTS: [&[f64]; 4] =
     [&[0.5], &[1.0 / 3.0, 2.0 / 3.0], &[0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875], &[0.01, 0.02, 0.9, 0.95]];
 
-/// Roundings of the sum of all magnitudes by which a force may differ from the sum along the list: those of 32 links, and
-/// of their other order, mostly cancel.
+/// The most rounding errors of the sum of magnitudes by which a force may differ from the sum along the list: those of 32
+/// links, and of their other order, mostly cancel.
 const ROUNDINGS: f64 = 1.0;
 
 fn compare<R: Real>() -> usize {
@@ -265,7 +265,7 @@ fn links_without_length_have_no_force() {
     }
 }
 
-/// The largest strain of any link, now or after `secs`, along the list.
+/// Returns the largest strain of any link, now or after `secs`, along the list.
 fn listed_strain<R: Real>(families: &[LinkFamily<R>; 3], [position, velocity]: &[Vec<R::Vec3>; 2], secs: f64) -> f64 {
     let strain = |link: &Link<R>, secs: f64| {
         let [i, j] = link.ends.map(|end| end as usize);
@@ -277,7 +277,7 @@ fn listed_strain<R: Real>(families: &[LinkFamily<R>; 3], [position, velocity]: &
     links.map(|link| strain(link, 0.0).max(strain(link, secs))).fold(0.0, f64::max)
 }
 
-/// Whether links are found to be strained by more than so much, by a body cut after these shares of its work.
+/// Whether the kernel finds links strained by more than `strain`, in a body cut after these shares of its work.
 fn finds_strain<R: Real>(
     links: &BoxedLinks<R>,
     [position, velocity]: &[Vec<R::Vec3>; 2],
@@ -286,7 +286,7 @@ fn finds_strain<R: Real>(
     cuts: &[f64],
 ) -> bool {
     pieces(links, cuts).iter_mut().any(|piece| {
-        // Where there is no particle, there may be anything.
+        // Places without a particle may hold anything.
         let rooms = piece.position.iter_mut().chain(&mut piece.velocity).flatten();
         rooms.enumerate().for_each(|(place, room)| *room = R::from_f64(if place % 3 == 0 { 1e3 } else { 0.0 }));
         are_strained(links, level, strain, R::from_f64(secs), [position, velocity], piece)
@@ -367,11 +367,11 @@ fn a_pass_that_is_given_up_looks_at_no_more_links() {
     assert!((1 << 16..=2 << 16).contains(&count) && count < all as u64, "{count} of {all}");
 }
 
-/// The step that matrices of links are made for, s.
+/// The time step that matrices of links are made for, s.
 const DT: f64 = 0.05;
 
-/// The third of the trace on the diagonal of every particle and the product with a vector of `dt² K⁺ + dt C`, link by
-/// link, and the sum of the sizes of what each product is made of.
+/// Returns, link by link, a third of the trace of every particle's diagonal block, the product of `dt² K⁺ + dt C` with a
+/// vector, and the sum of magnitudes of each product.
 fn listed_product<R: Real>(
     families: &[LinkFamily<R>; 3],
     position: &[R::Vec3],
@@ -404,7 +404,7 @@ fn listed_product<R: Real>(
     (diagonal, product, scale)
 }
 
-/// The same from the kernel.
+/// Returns the same diagonal and product from the kernel.
 fn boxed_product<R: Real>(
     links: &BoxedLinks<R>,
     position: &[R::Vec3],
@@ -424,8 +424,8 @@ fn boxed_product<R: Real>(
     (diagonal, product)
 }
 
-/// Roundings of the sum of all sizes by which a product may differ from that along the list. A link's resistance across its
-/// direction is a difference that has lost as many digits as it is less than its stiffness.
+/// The most rounding errors of the sum of magnitudes by which a product may differ from that along the list. A link's
+/// resistance across its direction is a difference, and loses as many digits as it is smaller than the stiffness.
 const ROUNDINGS_OF_A_PRODUCT: f64 = 3.0;
 
 fn compare_products<R: Real>() -> f64 {

@@ -1,8 +1,8 @@
-//! A body cut into pieces that are swept apart from each other, to the bits of the whole.
+//! A body cut into pieces that are swept independently, with results equal to those of the whole body to the bit.
 //!
-//! A piece is a range of corners that begins where a block does, with the particles there. What links do to them is added
-//! in the order of their blocks, so a piece needs of the blocks before it only those that reach it, and works these out
-//! anew: what they do to the corners before the piece is written to room of its own and forgotten.
+//! A piece is a range of corners that begins where a block does, with the particles there. Forces of links are added in the
+//! order of their blocks. So a piece also needs those blocks before it that reach into it, and evaluates them once more:
+//! their forces on corners before the piece are written to its own workspace and discarded.
 //!
 //! ```text
 //!   corners    ├────────── piece 0 ──────────┤────────── piece 1 ──────────┤
@@ -10,8 +10,8 @@
 //!   piece 1                      ├── before ─┤──────────── own ────────────┤── reach ──┤
 //! ```
 //!
-//! Nothing is shared between pieces but what all of them read, and every particle gets the same sum in the same order
-//! however many there are: one number of threads may have other pieces than the next.
+//! Pieces share nothing but what all of them only read, and every particle gets the same sum in the same order however many
+//! pieces there are: pieces may depend on the number of threads.
 
 use std::ops::Range;
 
@@ -19,57 +19,58 @@ use crate::math::Real;
 use crate::physics::kernels::boxed::BoxedLinks;
 use crate::physics::kernels::layout::{BLOCK, Layout, Run};
 
-/// Corners of a panel: enough that to begin one costs nothing, few enough that what is known of them stays in the caches,
-/// and that their links take well below a thousandth of a second, as before each panel it is asked whether to go on.
+/// Corners of a panel: enough that the overhead of beginning one does not matter, and few enough that their vectors stay in
+/// the caches and that their links take well below a thousandth of a second, as whether to stop is asked before each panel.
 const PANEL: usize = 4096;
 
-/// How many times the corners that a panel reaches there is room for, in a piece that has more: the more, the less often the
-/// corners that the next panel needs are brought to the front, and the less of the room is in the caches.
+/// Room of a window, in multiples of the corners that a panel reaches, for a piece that has more. The larger the window, the
+/// less often the corners that the next panel needs are moved to the front, and the less of it stays in the caches.
 const WINDOW: usize = 3;
 
-/// A piece of a body in its box, and what a sweep over it works in: positions, velocities and forces component by component,
-/// in a window of its corners that goes along with the panels. There may be anything at corners without a particle.
+/// A piece of a body in its box, and the workspace of a sweep over it: positions, velocities and forces component by
+/// component, in a window of its corners that moves along with the panels. Places of corners without a particle may hold
+/// anything.
 #[derive(Clone, Debug)]
 pub(in crate::physics) struct Piece<R> {
-    /// The particles whose forces it works out, by their numbers in the body.
+    /// The particles whose forces the piece evaluates, by their numbers in the body.
     pub(in crate::physics) particles: Range<usize>,
-    /// The links that start in it.
+    /// The number of links that start in it.
     pub(in crate::physics) links: u64,
-    /// The corner of the first place as a sweep begins.
+    /// The corner of the first place in the window when a sweep begins.
     pub(super) first: usize,
     /// Its own corners.
     pub(super) own: Range<usize>,
-    /// What it is worked through in.
+    /// The panels that a sweep goes through.
     pub(super) panels: Vec<Panel>,
     pub(super) position: [Vec<R>; 3],
     pub(super) velocity: [Vec<R>; 3],
     pub(super) force: [Vec<R>; 3],
 }
 
-/// Blocks of a piece that follow one another: what they reach for the first time is brought to the box before them, what
-/// nothing reaches any more back after them, while it is near in the caches.
+/// Consecutive blocks of a piece. Particles that they reach for the first time are brought to the box before them, and
+/// particles that no later block reaches are brought back after them, while they are still in the caches.
 #[derive(Clone, Debug)]
 pub(super) struct Panel {
-    /// The blocks; of the first panels also those before the piece that reach it.
+    /// The blocks; in the first panels also those before the piece that reach into it.
     pub(super) blocks: Range<usize>,
     /// The first corner that it needs, ...
     pub(super) first: usize,
-    /// ... and those that are reached for the first time, up to the last that it needs.
+    /// ... and those that it reaches first, up to the last that it needs.
     pub(super) reached: Range<usize>,
-    /// The particles that are read for the first time.
+    /// The particles that it reads first.
     pub(super) read: Vec<Run>,
-    /// The corners of the piece that get a force for the first time, and the particles there.
+    /// The corners of the piece that it is the first to add a force to, and the particles there.
     pub(super) begun: (Range<usize>, Vec<Run>),
-    /// The particles of the piece whose forces are complete then, ...
+    /// The particles of the piece whose forces are complete after it, ...
     pub(super) complete: Vec<Run>,
-    /// ... and where they are among those of the piece.
+    /// ... and their range among the particles of the piece.
     pub(super) stretch: Range<usize>,
 }
 
-/// Cuts a body after these shares of its work, ascending; there are fewer pieces where it has not as many blocks.
+/// Cuts a body after these shares of its work, ascending. There are fewer pieces if it has too few blocks.
 pub(in crate::physics) fn pieces<R: Real>(links: &BoxedLinks<R>, cuts: &[f64]) -> Vec<Piece<R>> {
     let layout = &*links.layout;
-    // Terms are of one work each, and those of the blocks follow one another.
+    // Every term is the same amount of work, and the terms of consecutive blocks are contiguous.
     let block_at = |share: f64| {
         layout.blocks.partition_point(|block| (block.terms.end as f64) < share * layout.terms.len() as f64)
     };
@@ -86,7 +87,7 @@ pub(in crate::physics) fn pieces<R: Real>(links: &BoxedLinks<R>, cuts: &[f64]) -
 }
 
 impl<R: Real> Piece<R> {
-    /// Of the corners from one block on to another, or from the first or to the last one.
+    /// Makes the piece of the corners from one block to another, or from the first or to the last corner.
     fn new(layout: &Layout, blocks: Range<usize>) -> Self {
         let first_of = |block: usize| layout.blocks.get(block).map_or(layout.corners, |block| block.first);
         let own = if blocks.start == 0 { 0 } else { first_of(blocks.start) }..first_of(blocks.end);
@@ -106,7 +107,7 @@ impl<R: Real> Piece<R> {
         Self { particles, links, first, own, panels, position: room(), velocity: room(), force: room() }
     }
 
-    /// How many blocks begin in it.
+    /// Returns how many blocks begin in the piece.
     pub(in crate::physics) fn block_count(&self, links: &BoxedLinks<R>) -> usize {
         let [first, end] = [self.own.start, self.own.end]
             .map(|corner| links.layout.blocks.partition_point(|block| block.first < corner));
@@ -114,7 +115,7 @@ impl<R: Real> Piece<R> {
     }
 }
 
-/// The panels of a piece, at least one; `read` are the corners it reads, and `origin` is its first particle.
+/// Returns the panels of a piece, at least one; `read` are the corners it reads, and `origin` is its first particle.
 fn panels(layout: &Layout, blocks: Range<usize>, own: &Range<usize>, read: &Range<usize>, origin: usize) -> Vec<Panel> {
     let reach = layout.offsets.iter().copied().max().unwrap_or(0) + BLOCK;
     let mut panels = Vec::new();
@@ -143,13 +144,13 @@ fn panels(layout: &Layout, blocks: Range<usize>, own: &Range<usize>, read: &Rang
     }
 }
 
-/// How many particles of a body are at lower corners.
+/// Returns how many particles of a body are at corners below this one.
 fn particles_before(layout: &Layout, corner: usize) -> usize {
     let begun = layout.runs.partition_point(|run| run.corner < corner);
     layout.runs[..begun].last().map_or(0, |run| run.particles.end.min(run.particles.start + corner - run.corner))
 }
 
-/// What of the runs of a layout lies within some corners.
+/// Returns the parts of a layout's runs that lie within some corners.
 fn runs_within(layout: &Layout, corners: &Range<usize>) -> Vec<Run> {
     let first = layout.runs.partition_point(|run| run.corner + run.particles.len() <= corners.start);
     let runs = layout.runs[first..].iter().take_while(|run| run.corner < corners.end);

@@ -1,4 +1,4 @@
-//! Whether links are far from their length at rest, as they stand and as they would be after some time.
+//! Checks whether links are far from their rest length, now or after some time.
 
 use std::cell::Cell;
 
@@ -10,8 +10,8 @@ use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
 use crate::physics::kernels::sweep::{Window, for_each_panel, lanes, lanes_of};
 
-/// Whether any link that starts in a piece is strained by more than so much, stretched or compressed, or is after `secs`. The
-/// particles of the body are at `position` (m) and move with `velocity` (m/s). Links without a force count, too.
+/// Whether any link that starts in a piece is strained by more than `strain`, stretched or compressed, now or after `secs`.
+/// The particles of the body are at `position` (m) and move with `velocity` (m/s). Links without a force count, too.
 pub(in crate::physics) fn are_strained<R: Real>(
     links: &BoxedLinks<R>,
     level: SimdLevel,
@@ -38,8 +38,8 @@ pub(in crate::physics) fn are_strained<R: Real>(
     is_beyond.get()
 }
 
-/// The least and the largest square of a length of the links that start in some blocks, in lengths at rest: none above and
-/// none below one. What is not a number is passed over.
+/// Returns the least and the largest squared length of the links that start in some blocks, in rest lengths; the least is at
+/// most one, the largest at least one. A NaN is passed over.
 #[inline(always)]
 fn extremes<R: Real>(links: &BoxedLinks<R>, secs: R, window: &Window<'_, R>) -> [R; 2] {
     let Window { blocks, first, own, vectors: [position, velocity], .. } = window;
@@ -70,8 +70,8 @@ fn extremes<R: Real>(links: &BoxedLinks<R>, secs: R, window: &Window<'_, R>) -> 
     [least, most]
 }
 
-/// The same of the links of one direction that start in one block, corner by corner; `scales` make of a distance one in
-/// lengths at rest, and of a velocity the way of the whole time.
+/// Includes the links of one direction that start in one block, corner by corner. `per_length` turns a distance into rest
+/// lengths, `ahead` a velocity into the way of the whole time in rest lengths.
 #[inline(always)]
 fn include<R: Real, const IS_MASKED: bool>(
     [per_length, ahead]: [R; 2],
@@ -90,7 +90,7 @@ fn include<R: Real, const IS_MASKED: bool>(
         let ez = dz + (far_vz[lane] - near_vz[lane]) * ahead;
         let (mut now, mut then) = (dx * dx + dy * dy + dz * dz, ex * ex + ey * ey + ez * ez);
         if IS_MASKED {
-            // A factor and no condition, as of forces; where no link starts it is one of its length at rest.
+            // A factor instead of a condition, as in forces; where no link starts the length is one.
             let is_there = if mask.of_corners[lane] & mask.bit == 0 { R::ZERO } else { R::ONE };
             (now, then) = (now * is_there + (R::ONE - is_there), then * is_there + (R::ONE - is_there));
         }

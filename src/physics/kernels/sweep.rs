@@ -1,5 +1,5 @@
-//! A sweep over the links of a piece of a body, panel by panel: its particles are spread over the box, the blocks worked
-//! through in ascending order, the forces brought back.
+//! A sweep over the links of a piece of a body, panel by panel: the particles' vectors are spread over the box, the blocks
+//! worked through in ascending order, and the forces collected from the box.
 
 use std::ops::Range;
 
@@ -10,30 +10,30 @@ use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, Run, Term};
 use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
 
-/// What is worked out, and how.
+/// What a sweep evaluates, and how.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct Pass {
-    /// The instructions that do it.
+    /// The instruction set.
     pub(in crate::physics) level: SimdLevel,
-    /// Whether the links of each family have a force.
+    /// Whether the links of each family are evaluated.
     pub(in crate::physics) families: [bool; 3],
-    /// Whether it has a part of damping.
+    /// Whether the damping of each family is evaluated.
     pub(in crate::physics) damped: [bool; 3],
 }
 
-/// The forces that the particles of a piece have without those of links, N.
+/// The forces that the particles of a piece start with, N.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) enum Start<R: Real> {
-    /// All have this one.
+    /// The same force for all.
     Alike(R::Vec3),
-    /// Those that are written already.
+    /// The forces that are already written.
     Each,
 }
 
-/// Adds the forces of all links to those on the particles of a piece, N, and says of how many that start in it; fewer than
-/// there are only where it was to give up, and the forces mean nothing then. `motion` is where the particles of the body
-/// are and how fast, m and m/s; the forces are those on the particles of the piece, of which `done` is told once they are
-/// complete, a stretch at a time.
+/// Adds the forces of all links to those on the particles of a piece, N. Returns how many of the links start in the piece;
+/// if it stopped early these are fewer than there are, and the forces mean nothing. `motion` is the positions and velocities
+/// of the body's particles, m and m/s; `force` is that of the piece's particles. `done` is called with a stretch of them as
+/// soon as their forces are complete.
 #[expect(clippy::too_many_arguments, reason = "what is read and written by a loop that knows nothing else")]
 pub(in crate::physics) fn add_forces<R: Real>(
     links: &BoxedLinks<R>,
@@ -63,22 +63,22 @@ pub(in crate::physics) fn add_forces<R: Real>(
     evaluated
 }
 
-/// What is worked with while a panel is: the box near its blocks.
+/// The box near the blocks of a panel, while the panel is worked on.
 pub(super) struct Window<'a, R> {
     /// The blocks of the panel.
     pub(super) blocks: Range<usize>,
-    /// The corner of the first place.
+    /// The corner of the first place in the vectors.
     pub(super) first: usize,
     /// The first corner of the piece.
     pub(super) own: usize,
     /// The vectors that are read.
     pub(super) vectors: [[&'a [R]; 3]; 2],
-    /// What is added up.
+    /// The vectors that are added up.
     pub(super) sum: &'a mut [Vec<R>; 3],
 }
 
-/// Brings vectors of a body's particles to the box of a piece, panel by panel, has `work` done with them, and brings what it
-/// adds up to the particles of the piece, of which `done` is told once they are complete, a stretch at a time.
+/// Brings vectors of a body's particles to the box of a piece, panel by panel, calls `work` with them, and brings the sums
+/// back to the particles of the piece. `done` is called with a stretch of particles as soon as their sums are complete.
 #[inline(always)]
 pub(super) fn for_each_panel<R: Real>(
     level: SimdLevel,
@@ -115,7 +115,7 @@ pub(super) fn for_each_panel<R: Real>(
                 if let Some((start, to)) = &to {
                     let (begun, runs) = &panel.begun;
                     if *begun != panel.reached {
-                        // What links do beyond the piece is forgotten.
+                        // Sums at corners beyond the piece are discarded.
                         fill(R::Vec3::ZERO, panel.reached.start - first..panel.reached.end - first, boxed);
                     }
                     match start {
@@ -136,7 +136,7 @@ pub(super) fn for_each_panel<R: Real>(
     }
 }
 
-/// Works through some blocks. Says how many links start there at the corners from `own` on; `first` is the corner of the
+/// Works through some blocks. Returns how many links start in those from the corner `own` on; `first` is the corner of the
 /// first place.
 #[inline(always)]
 fn sweep<R: Real>(
@@ -205,7 +205,7 @@ pub(super) fn add<R: Real>(sum: &[R; BLOCK], to: &mut [R; BLOCK]) {
     }
 }
 
-/// Brings vectors of the particles to their corners. `origin` is the particle and the corner that are counted as nothing.
+/// Brings vectors of the particles to their corners. `origin` is the particle and the corner that are counted as zero.
 #[inline(always)]
 pub(super) fn spread<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3], [x, y, z]: &mut [Vec<R>; 3]) {
     for run in runs {
@@ -217,7 +217,7 @@ pub(super) fn spread<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3]
     }
 }
 
-/// Gives all of some corners the same vector.
+/// Gives a range of corners the same vector.
 #[inline(always)]
 fn fill<R: Real>(vector: R::Vec3, corners: Range<usize>, [x, y, z]: &mut [Vec<R>; 3]) {
     let [vector_x, vector_y, vector_z] = vector.components();
@@ -226,7 +226,7 @@ fn fill<R: Real>(vector: R::Vec3, corners: Range<usize>, [x, y, z]: &mut [Vec<R>
     z[corners].fill(vector_z);
 }
 
-/// Brings what is at the corners to the particles.
+/// Brings the vectors at the corners to the particles.
 #[inline(always)]
 fn collect<R: Real>(runs: &[Run], origin: [usize; 2], [x, y, z]: &[Vec<R>; 3], to: &mut [R::Vec3]) {
     for run in runs {
@@ -238,25 +238,26 @@ fn collect<R: Real>(runs: &[Run], origin: [usize; 2], [x, y, z]: &[Vec<R>; 3], t
     }
 }
 
-/// All of the components of vectors. Spelled out, like all that the loops call: a closure given to `map` is a call there.
+/// Borrows the components of vectors as slices. Written out, like all functions that the loops call: a closure given to
+/// `map` is not inlined there.
 #[inline(always)]
 pub(super) fn slices<T>([x, y, z]: &[Vec<T>; 3]) -> [&[T]; 3] {
     [x, y, z]
 }
 
-/// A block of each of the components.
+/// Returns a block of each of the components.
 #[inline(always)]
 pub(super) fn lanes_of<T>([x, y, z]: [&[T]; 3], first: usize) -> [&[T; BLOCK]; 3] {
     [lanes(x, first), lanes(y, first), lanes(z, first)]
 }
 
-/// A block of what there is for each corner.
+/// Returns a block of per-corner values.
 #[inline(always)]
 pub(super) fn lanes<T>(of: &[T], first: usize) -> &[T; BLOCK] {
     of[first..].first_chunk().expect("there is room for a block past the last corner")
 }
 
-/// The same, to write.
+/// Returns a block of per-corner values, to write.
 #[inline(always)]
 pub(super) fn lanes_mut<T>(of: &mut [T], first: usize) -> &mut [T; BLOCK] {
     of[first..].first_chunk_mut().expect("there is room for a block past the last corner")

@@ -1,9 +1,9 @@
-//! The matrix of the implicit scheme's equations over the box of a body: a symmetric block for each link, made of the
-//! links as they stand, and the product of all of them with a vector.
+//! The matrix of the implicit scheme's equations over the box of a body: a symmetric block for each link, from its present
+//! position, and the product of all blocks with a vector.
 //!
-//! A link's block is `across I + along alongᵀ` between its ends: on velocities v it is a force `B (vᵢ − vⱼ)` on one end and
-//! the opposite on the other. Blocks are in the precision of the state, as reading them is what a product takes longest
-//! for, and the matrix may be a little off as long as it is the same throughout; vectors and sums are in double precision.
+//! A link's block is `across I + along alongᵀ` between its ends: velocities v give a force `B (vᵢ − vⱼ)` on one end and the
+//! opposite on the other. Blocks are in the precision of the state, as a product spends most of its time reading them, and
+//! the matrix may be a little off as long as it is the same throughout; vectors and sums are in double precision.
 
 use std::ops::Range;
 
@@ -17,32 +17,33 @@ use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
 use crate::physics::kernels::sweep::{Start, Window, add, for_each_panel, lanes, lanes_mut, lanes_of, slices, spread};
 
-/// The blocks of a body's links in its box, and what products with them are worked out in.
+/// The blocks of a body's links in its box, and the workspace that they are made in.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct Tangents<R> {
     blocks: Vec<TermBlocks<R>>,
     families: [bool; 3],
     /// Positions, m.
     position: [Vec<R>; 3],
-    /// What blocks have on the diagonal while they are made.
+    /// The diagonal of the blocks while they are made.
     diagonal: Vec<f64>,
 }
 
-/// The blocks of the links of one direction that start in one block of corners; zero where none starts.
+/// The blocks of the links of one direction that start in one block of corners; zero where no link starts.
 #[derive(Clone, Debug)]
 struct TermBlocks<R> {
     across: [R; BLOCK],
     along: [[R; BLOCK]; 3],
 }
 
-/// What they take at most in single precision, bytes, for a body with so many links and corners of its box.
+/// Returns the most memory that blocks take in single precision, bytes, for a body with this many links and corners of its
+/// box.
 pub(in crate::physics) fn tangent_bytes(links: usize, corners: usize) -> usize {
     let places = (STENCIL.len() * corners).min(MOST_PLACES_A_LINK * links);
     places * size_of::<[f32; 4]>() + corners * size_of::<([f32; 3], f64)>()
 }
 
 impl<R: Real> Tangents<R> {
-    /// Room for the largest of some bodies.
+    /// Allocates room for the largest of some bodies.
     pub(in crate::physics) fn new<'a>(bodies: impl Iterator<Item = &'a BoxedLinks<R>>) -> Self {
         let [terms, corners] = bodies.fold([0; 2], |[terms, corners], links| {
             let layout = &links.layout;
@@ -64,7 +65,7 @@ impl<R: Real> Tangents<R> {
     /// across = dt² max(0, k/l0 − k/l)      along = dt² k/l0 − across + dt d/l0
     /// ```
     ///
-    /// Tells `diagonal` for each particle the third of the trace of what they add to its block on the diagonal.
+    /// Calls `diagonal` with each particle and a third of the trace of what the blocks add to its block on the diagonal.
     pub(in crate::physics) fn make(
         &mut self,
         links: &BoxedLinks<R>,
@@ -92,8 +93,8 @@ impl<R: Real> Tangents<R> {
         }
     }
 
-    /// Writes the product of all blocks with a vector by particle for the particles of a piece of the body; `done` is told
-    /// once it is complete, a stretch at a time.
+    /// Writes the product of all blocks with a vector for the particles of a piece of the body. `done` is called with a
+    /// stretch of them as soon as its product is complete.
     pub(in crate::physics) fn multiply(
         &self,
         links: &BoxedLinks<f64>,
@@ -161,8 +162,8 @@ fn make_all<R: Real>(
     }
 }
 
-/// The blocks of the links of one direction that start in one block of corners, with what they have on the diagonal of
-/// their first ends and of the others. All of `law`, so many times its stiffness and damping.
+/// Makes the blocks of the links of one direction that start in one block of corners, and adds their diagonal at the first
+/// ends and at the others. All links are of `law`, times the `stiffness` and `damping` of their corner.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, clippy::assign_op_pattern, reason = "as of the forces of links")]
 fn make_term<R: Real>(
@@ -182,7 +183,7 @@ fn make_term<R: Real>(
         let dz = far_z[lane] - near_z[lane];
         let squared = dx * dx + dy * dy + dz * dz;
         let inverse = R::ONE / squared.sqrt();
-        // Ends in one place have no direction, and where no link starts there may be anything.
+        // Ends in one place have no direction, and places without a link may hold anything.
         let is_there = squared > R::ZERO && mask.of_corners[lane] & mask.bit != 0;
         let stiff = squared_secs * (law.slope * stiffness[lane]);
         let turned = stiff - squared_secs * (law.stiffness * stiffness[lane]) * inverse;
@@ -216,7 +217,7 @@ fn multiply_all<R: Real>(
         let mut sum = [[0.0; BLOCK]; 3];
         for number in block.terms.clone() {
             let slot = terms[number].slot;
-            // Of the blocks before a piece only what reaches it.
+            // Of the blocks before a piece only the terms that reach into it are needed.
             let reaches = block.first >= own || block.first + offsets[slot] + BLOCK > own;
             if families[FAMILY[slot]] && reaches {
                 let other = at + offsets[slot];
@@ -231,7 +232,7 @@ fn multiply_all<R: Real>(
     }
 }
 
-/// The product of the blocks of one term: it is added to that of the first ends and taken from that of the others.
+/// Adds the product of the blocks of one term at the first ends and subtracts it at the others.
 #[inline(always)]
 #[expect(clippy::assign_op_pattern, reason = "as of the forces of links")]
 fn multiply<R: Real>(

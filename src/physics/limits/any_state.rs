@@ -1,16 +1,16 @@
-//! How large a step may be whatever state a body is in.
+//! How large a step may be in any state of a body.
 //!
-//! The bound at rest holds for a lattice in which the links of a particle point everywhere. In a body that was torn
-//! through an obstacle or crumpled at a hundred metres a second they may line up, and a link that is stretched far
-//! resists across its direction as much as along it. A link between masses m and M adds no more than `κ (1/m + 1/M)` to
-//! what may be in one direction, so that in any state
+//! The bound at rest holds for a lattice in which the links of a particle point everywhere. In a body that was torn through
+//! an obstacle or crumpled at a hundred metres a second they may line up, and a link that is stretched far resists across
+//! its direction as much as along it. A link between masses m and M adds at most `κ (1/m + 1/M)` in any one direction, so
+//! that in any state
 //!
 //! ```text
 //! λ(dt) ≤ max over particles Σ over its links κ (1/m + 1/M),   κ = dt² k/l0 + 2 dt d/l0
 //! ```
 //!
-//! Below the limit of that the motion stays bounded as long as the stiffness does not change; it changes from substep to
-//! substep in such a body, which pumps energy into it near the limit. So only a share of it is taken.
+//! Below that limit the motion stays bounded as long as the stiffness does not change. In such a body it changes from
+//! substep to substep, which pumps energy into the body near the limit, so only a share of it is taken.
 
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -20,39 +20,40 @@ use crate::math::Real;
 use crate::physics::model::Scheme;
 use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily, Model, Values};
 
-/// Parts stay below this share of the step that is bounded in any state.
+/// Parts of a substep stay below this share of the step that is bounded in any state.
 pub(crate) const SHARE: f64 = 0.4;
 
-/// Into how many parts a substep of `dt_secs` is divided while a body is strained.
+/// Returns into how many parts a substep of `dt_secs` is divided while a body is strained.
 pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_secs: f64) -> u32 {
     let loads = model.bodies.iter().flat_map(|body| loads(body));
     let loads: Vec<_> = loads.map(|[stiffness, damping]| LinkLoad { stiffness, damping }).collect();
     parts_for(&loads, scheme, dt_secs, Margin::alike(SHARE))
 }
 
-/// The same where links add that much, each of which is to be borne with a margin.
+/// Returns into how many parts a substep is divided so that each part bears all of these loads with a margin.
 pub(super) fn parts_for(loads: &[LinkLoad], scheme: Scheme, dt_secs: f64, margin: Margin) -> u32 {
     let bear = |parts: u32| loads.iter().all(|load| load.is_borne(scheme, dt_secs / f64::from(parts), margin));
-    // The share of the step at rest that is taken needs a few at most.
+    // A few are enough for the share of the step at rest that is taken.
     (1..MOST_PARTS).find(|&parts| bear(parts)).unwrap_or(MOST_PARTS)
 }
 
-/// The largest rate of damping in any state of any body, 1/s.
+/// Returns the largest rate of damping in any state of any body, 1/s.
 pub(in crate::physics) fn damping_rate<R: Real>(model: &Model<R>) -> f64 {
     model.bodies.iter().flat_map(|body| loads(body)).fold(0.0, |most, [_, damping]| most.max(damping))
 }
 
-/// What the links of a particle resist with, over its mass, while their other ends stand still: stiffness, 1/s², and
-/// damping, 1/s, on average over all directions and the most of any particle.
+/// Returns the resistance of a particle's links over its mass while their other ends stand still: stiffness, 1/s², and
+/// damping, 1/s, averaged over all directions, and the largest of any particle.
 pub(in crate::physics) fn own_rates<R: Real>(body: &BodyModel<R>) -> [f64; 2] {
-    // Half of the mobility that a load counts is that of the other end, and a direction has a third.
+    // Half of the mobility in a load is that of the other end, and a direction has a third of the sum.
     loads(body).into_iter().fold([0.0; 2], |most: [f64; 2], load| std::array::from_fn(|i| most[i].max(load[i] / 6.0)))
 }
 
-/// No substep is divided further.
+/// The most parts a substep is divided into.
 pub(in crate::physics) const MOST_PARTS: u32 = 16;
 
-/// For every different particle of a lattice the sums of its links' inverse rest lengths by family, 1/m.
+/// Returns the sums of the inverse rest lengths of a particle's links by family, 1/m, once for each different particle of a
+/// lattice.
 pub(in crate::physics) fn crowds<R: Real>(particles: usize, links: &[Arc<[Link<R>]>; 3]) -> Arc<[[f64; 3]]> {
     let mut sums = vec![[0.0; 3]; particles];
     for (family, links) in links.iter().enumerate() {
@@ -67,8 +68,8 @@ pub(in crate::physics) fn crowds<R: Real>(particles: usize, links: &[Arc<[Link<R
     sums.into()
 }
 
-/// What the links of every particle add at most to the square of a frequency (1/s²) and to a rate of damping (1/s): of
-/// every different one, where that is known.
+/// Returns the most that the links of each particle add to the square of a frequency (1/s²) and to a rate of damping (1/s);
+/// once for each different particle, if these are known.
 fn loads<R: Real>(body: &BodyModel<R>) -> Vec<[f64; 2]> {
     let is_alike = |family: &LinkFamily<R>| matches!(family.constants, LinkConstants::Uniform(_));
     if matches!(body.masses, Values::Uniform(_)) && body.links.iter().all(is_alike) {

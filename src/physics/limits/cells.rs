@@ -1,4 +1,4 @@
-//! The stability bound of bodies whose links and masses are shared out by cells.
+//! The stability bound of bodies whose cells share out links and masses.
 //!
 //! The largest eigenvalue of an assembly is no larger than that of its stiffest part (Irons and Treharne 1971; Fried,
 //! *Bounding the extremal eigenvalues of the finite element stiffness and mass matrices*, 1973): with every cell's own
@@ -8,8 +8,8 @@
 //! λ_max(M⁻¹ A) ≤ max over cells λ_max(M_c⁻¹ A_c)
 //! ```
 //!
-//! It holds for every set of cells, mixed materials and pinned particles, where the bound by plane waves does not:
-//! particles at a surface weigh less than those inside. Of a body of one solid less is known to be enough (`lattice`).
+//! It holds for every set of cells, mixed materials and pinned particles, where the bound by plane waves does not: particles
+//! at a surface weigh less than those inside. For a body of one solid a tighter bound is known (`lattice`).
 
 use crate::physics::model::CellKind;
 
@@ -18,7 +18,7 @@ pub(super) const SIZE: usize = 24;
 
 type Matrix = [[f64; SIZE]; SIZE];
 
-/// Largest eigenvalues over all cells, of stiffness (1/s²) and of damping (1/s) over mass.
+/// Largest eigenvalues over all cells: of stiffness over mass (1/s²) and of damping over mass (1/s).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::physics) struct CellLoads {
     /// Stiffness of each family alone.
@@ -29,12 +29,12 @@ pub(in crate::physics) struct CellLoads {
     pub(in crate::physics) stiffness: f64,
     /// All damping.
     pub(in crate::physics) damping: f64,
-    /// Over all links how many times their damping their stiffness is, at most, 1/s: infinite where one has only that.
+    /// The largest ratio of stiffness to damping of any link, 1/s: infinite if a link has only stiffness.
     pub(in crate::physics) stiffness_per_damping: f64,
 }
 
 impl CellLoads {
-    /// Over cells of some kinds and one size, m.
+    /// Returns the loads over cells of some kinds and one size, m.
     pub(in crate::physics) fn of(kinds: &[CellKind], cell_size: f64) -> Self {
         let unit = [unit_cell([1.0, 0.0]), unit_cell([0.0, 1.0])];
         let alone = unit.map(largest_eigenvalue);
@@ -63,7 +63,7 @@ impl CellLoads {
         loads
     }
 
-    /// Those of a lattice that bears a share of what its cells would alone. No family alone bears more than all.
+    /// Returns the loads of a lattice that bears a share of what its cells would alone. No family alone bears more than all.
     pub(in crate::physics) fn shared(self, share: f64) -> Self {
         let (stiffness, damping) = (self.stiffness * share, self.damping * share);
         Self {
@@ -75,20 +75,21 @@ impl CellLoads {
         }
     }
 
-    /// The largest dt with `dt² stiffness + 2 dt damping ≤ 4`, s. The sum of two largest eigenvalues is no smaller than
-    /// that of the sum, and equal where damping is in proportion to stiffness.
+    /// Returns the largest dt with `dt² stiffness + 2 dt damping ≤ 4`, s. The sum of the largest eigenvalues of two matrices
+    /// is at least that of their sum, and equal if damping is in proportion to stiffness.
     pub(in crate::physics) fn dt_limit_secs(stiffness: f64, damping: f64) -> Option<f64> {
         let root = damping + (damping * damping + 4.0 * stiffness).sqrt();
         (root > 0.0).then(|| 4.0 / root)
     }
 }
 
-/// The families that cells hold: links that run straight through a particle have no force in a solid.
+/// Returns the constants of the families that cells hold: links that run straight through a particle have no force in a
+/// solid.
 fn of_cells([structural, shear, _]: [f64; 3]) -> [f64; 2] {
     [structural, shear]
 }
 
-/// The matrix of one cell of edge 1 whose links have their shares of these structural and shear constants.
+/// Returns the matrix of one cell of edge 1 whose links have their shares of these structural and shear constants.
 pub(super) fn unit_cell([structural, shear]: [f64; 2]) -> Matrix {
     let mut matrix = [[0.0; SIZE]; SIZE];
     for a in 0..8_usize {
@@ -103,7 +104,7 @@ pub(super) fn unit_cell([structural, shear]: [f64; 2]) -> Matrix {
                 2 => shear / 2.0,
                 _ => shear,
             };
-            // k/l0 along the unit vector twice: the offset twice over its length cubed.
+            // k/l0 times the outer product of the unit vector: that of the offset over its length cubed.
             let weight = share / (squared * squared.sqrt());
             for (i, x) in offset.iter().enumerate() {
                 for (j, y) in offset.iter().enumerate() {
@@ -119,7 +120,8 @@ pub(super) fn unit_cell([structural, shear]: [f64; 2]) -> Matrix {
     matrix
 }
 
-/// Of a symmetric matrix, by cyclic Jacobi rotations (Golub and Van Loan, *Matrix Computations*, §8.5).
+/// Returns the largest eigenvalue of a symmetric matrix, by cyclic Jacobi rotations (Golub and Van Loan, *Matrix
+/// Computations*, §8.5).
 pub(super) fn largest_eigenvalue(mut a: Matrix) -> f64 {
     let norm: f64 = a.iter().flatten().map(|x| x * x).sum();
     for _ in 0..30 {
@@ -137,7 +139,7 @@ pub(super) fn largest_eigenvalue(mut a: Matrix) -> f64 {
     (0..SIZE).map(|i| a[i][i]).fold(0.0, f64::max)
 }
 
-/// Makes one entry off the diagonal zero.
+/// Rotates one off-diagonal entry to zero.
 fn rotate(a: &mut Matrix, p: usize, q: usize) {
     if a[p][q] == 0.0 {
         return;

@@ -1,12 +1,13 @@
-//! Largest eigenvalues of symmetric 3×3 matrices, and how much of one may be added to another below a limit.
+//! Largest eigenvalues of symmetric 3×3 matrices, and the largest multiple of one matrix that may be added to another below
+//! a limit.
 
 use glam::{DMat3, DVec3};
 
 /// Steps of a bisection: enough for any range of values to a millionth.
 const HALVINGS: usize = 60;
 
-/// A symmetric matrix without the mean of its eigenvalues, that mean, and the root of a sixth of what is left, squared and
-/// summed.
+/// Returns a symmetric matrix less the mean of its eigenvalues, that mean, and the root of a sixth of the sum of squares of
+/// what is left.
 pub(super) fn shifted(a: DMat3) -> (DMat3, f64, f64) {
     let mean = (a.x_axis.x + a.y_axis.y + a.z_axis.z) / 3.0;
     let shifted = a - DMat3::from_diagonal(DVec3::splat(mean));
@@ -15,7 +16,7 @@ pub(super) fn shifted(a: DMat3) -> (DMat3, f64, f64) {
     (shifted, mean, spread.sqrt())
 }
 
-/// The largest eigenvalue of a symmetric 3×3 matrix (Smith, "Eigenvalues of a symmetric 3 × 3 matrix", CACM 4(4),
+/// Returns the largest eigenvalue of a symmetric 3×3 matrix (Smith, "Eigenvalues of a symmetric 3 × 3 matrix", CACM 4(4),
 /// 1961).
 pub(in crate::physics) fn largest_eigenvalue(a: DMat3) -> f64 {
     let (shifted, mean, p) = shifted(a);
@@ -26,7 +27,7 @@ pub(in crate::physics) fn largest_eigenvalue(a: DMat3) -> f64 {
     mean + 2.0 * p * libm::cos(libm::acos(half_determinant) / 3.0)
 }
 
-/// A matrix to which a multiple of another is added, and the largest eigenvalue of that one alone.
+/// A matrix `to` which a multiple of another, `of`, is added, and the largest eigenvalue of `of` alone.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct Addition {
     pub(in crate::physics) to: DMat3,
@@ -34,8 +35,8 @@ pub(in crate::physics) struct Addition {
     pub(in crate::physics) alone: f64,
 }
 
-/// The largest multiple with which no eigenvalue of any of the sums is above a limit; zero where that is so without it. What
-/// is next to nothing limits no multiple.
+/// Returns the largest multiple for which no eigenvalue of any sum is above a limit; zero if one is above it without any
+/// addition. An addition that is next to nothing limits no multiple.
 pub(in crate::physics) fn largest_multiple(additions: impl Iterator<Item = Addition>, limit: f64) -> f64 {
     let mut multiple = f64::INFINITY;
     for Addition { to, of, alone } in additions {
@@ -46,7 +47,7 @@ pub(in crate::physics) fn largest_multiple(additions: impl Iterator<Item = Addit
             }
             continue;
         }
-        // Alone it may not add more than this.
+        // Even alone it may add no more than this.
         let high = multiple.min(limit / alone);
         multiple = if fits(high) { high } else { bisect(0.0, high, fits) };
         if multiple <= 0.0 {
@@ -56,8 +57,8 @@ pub(in crate::physics) fn largest_multiple(additions: impl Iterator<Item = Addit
     multiple
 }
 
-/// Whether every eigenvalue of a symmetric matrix is below a limit: the pivots of what is left are positive. A tenth of
-/// the work of an eigenvalue.
+/// Whether every eigenvalue of a symmetric matrix is below a limit: the pivots of limit less matrix are positive. This is a
+/// tenth of the work of an eigenvalue.
 fn is_below(a: DMat3, limit: f64) -> bool {
     let left = DMat3::from_diagonal(DVec3::splat(limit)) - a;
     let [xx, xy, xz] = left.x_axis.to_array();
@@ -69,7 +70,7 @@ fn is_below(a: DMat3, limit: f64) -> bool {
     yy > 0.0 && zz - yz * yz / yy > 0.0
 }
 
-/// The end of what is allowed between two values, the lower of which is taken to be.
+/// Returns the largest allowed value between two values, the lower of which is taken to be allowed.
 fn bisect(mut low: f64, mut high: f64, is_allowed: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);

@@ -1,11 +1,11 @@
-//! The fastest vibrations of a body by power iteration: what the bounds are compared with.
+//! The fastest vibrations of a body by power iteration: the reference for the bounds.
 
 use glam::DVec3;
 
 use crate::math::rng::Rng;
 use crate::physics::model::BodyModel;
 
-/// The largest eigenvalues of `M⁻¹ K` and of the damping's, by power iteration over all links.
+/// Returns the largest eigenvalues of `M⁻¹ K` and of `M⁻¹ C`, by power iteration over all links.
 pub(super) fn fastest(body: &BodyModel<f64>, position: &[DVec3]) -> [f64; 2] {
     [false, true].map(|of_damping| {
         let mut rng = Rng::new(3);

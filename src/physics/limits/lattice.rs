@@ -1,39 +1,39 @@
-//! How much of what its cells would bear alone a lattice of equal cells bears.
+//! The largest eigenvalue of a lattice of equal cells as a share of that of one cell.
 //!
-//! Cells that meet hold each other back: the largest eigenvalue of a body is below that of its stiffest cell (`cells`),
-//! in a block by a third. Where all cells are alike both are what one cell has times a number of the lattice, so their
-//! ratio is the same for every solid: it is found once for a lattice, by Lanczos' method (Golub and Van Loan, *Matrix
-//! Computations*, §10.1) on cells of unit mass and diagonal.
+//! Cells that meet hold each other back: the largest eigenvalue of a body is below that of its stiffest cell (`cells`), in a
+//! block by a third. If all cells are alike, both are that of one cell times a number that depends on the lattice alone. So
+//! their ratio is the same for every solid: it is computed once for a lattice, by Lanczos' method (Golub and Van Loan,
+//! *Matrix Computations*, §10.1) on cells of unit mass and diagonal.
 //!
-//! The method's largest value θ is below the eigenvalue λ. From a start that is drawn evenly from all directions, after
-//! k steps on n numbers, `λ (1 − ε) ≤ θ` but for a chance of
+//! The method's largest value θ is below the eigenvalue λ. From a start that is drawn evenly from all directions, after k
+//! steps on n numbers, `λ (1 − ε) ≤ θ` fails with a probability of at most
 //!
 //! ```text
 //! 1.648 √n exp(−√ε (2k − 1))
 //! ```
 //!
-//! at most (Kuczyński and Woźniakowski, *Estimating the largest eigenvalue by the power and Lanczos algorithms with a
-//! random start*, SIAM J. Matrix Anal. Appl. 13(4), 1992). `θ/(1 − ε)` is the bound, ε that of [`CHANCE`]; the vectors
-//! are not made orthogonal again, as they stay so until θ is exact (Paige 1971). The start and the order of all sums are
-//! fixed: the same lattice has the same bits.
+//! (Kuczyński and Woźniakowski, *Estimating the largest eigenvalue by the power and Lanczos algorithms with a random start*,
+//! SIAM J. Matrix Anal. Appl. 13(4), 1992). `θ/(1 − ε)` is the bound, with the ε that belongs to [`CHANCE`]. The vectors are
+//! not orthogonalised again, as they stay orthogonal until θ is exact (Paige 1971). The start and the order of all sums are
+//! fixed: the same lattice gives the same bits.
 
 use super::cells::{SIZE, largest_eigenvalue, unit_cell};
 use crate::geometry::Lattice;
 use crate::math::rng::Rng;
 use crate::physics::model::levels::Levels;
 
-/// Steps: ε is then 2 % for some thousand particles, 1 % of a step.
+/// Lanczos steps: ε is then 2 % for some thousand particles, which costs 1 % of a step's length.
 const STEPS: usize = 60;
 
-/// Of a bound that is too low, at most, over all starts.
+/// The largest probability of a bound that is too low, over all starts.
 const CHANCE: f64 = 1e-6;
 
-/// No lattice of more cells is looked at: as long as a few hundred substeps of the body, some ten microseconds a cell,
-/// it would keep a person waiting.
+/// Lattices of more cells keep the bound of one cell: at some ten microseconds a cell, as long as a few hundred substeps of
+/// the body, the method would keep the user waiting.
 const MOST_CELLS: usize = 20_000;
 
-/// The largest eigenvalue of a lattice of equal cells over that of one of them, at most 1. `constants` are those of their
-/// edges and diagonals, which count by their ratio.
+/// Returns the largest eigenvalue of a lattice of equal cells over that of one of them, at most 1. `constants` are those of
+/// the cells' edges and diagonals; only their ratio matters.
 pub(in crate::physics) fn load_share(lattice: &Lattice, constants: [f64; 2]) -> f64 {
     if lattice.cells.len() > MOST_CELLS { 1.0 } else { share(lattice, constants, STEPS) }
 }
@@ -51,11 +51,11 @@ fn share(lattice: &Lattice, constants: [f64; 2], steps: usize) -> f64 {
 /// `M^-½ K M^-½` of equal cells of unit mass.
 struct Weighted<'a> {
     lattice: &'a Lattice,
-    /// By columns; the matrix is symmetric.
+    /// The matrix of one cell by columns; it is symmetric.
     cell: &'a [[f64; SIZE]; SIZE],
-    /// How stiff the cells are beside a full one.
+    /// The stiffness of the cells relative to a full one.
     levels: Option<Levels>,
-    /// Of every particle's mass, the inverse root.
+    /// One over the root of every particle's mass.
     inverse_roots: Vec<f64>,
 }
 
@@ -112,19 +112,20 @@ fn largest_ritz_value(matrix: &Weighted<'_>, steps: usize) -> f64 {
         diagonal.push(alpha);
         beta = dot(&next, &next).sqrt();
         if beta <= 1e-10 * alpha {
-            // All that the start holds has been found.
+            // All eigenvectors with a part in the start have been found.
             break;
         }
         beside.push(beta);
         scale(&mut next, 1.0 / beta);
-        // The oldest is written over.
+        // The oldest vector is overwritten next.
         std::mem::swap(&mut before, &mut v);
         std::mem::swap(&mut v, &mut next);
     }
     largest_of_tridiagonal(&diagonal, &beside)
 }
 
-/// Of unit length, all directions alike: normal deviates (Box and Muller 1958) for every component.
+/// Returns a vector of unit length, drawn evenly from all directions: normal deviates (Box and Muller 1958) for every
+/// component.
 fn random_direction(particles: usize) -> Vec<[f64; 3]> {
     let mut rng = Rng::new(1);
     let mut deviate = || {
@@ -147,7 +148,8 @@ fn scale(v: &mut [[f64; 3]], factor: f64) {
     }
 }
 
-/// By bisection: above all eigenvalues every pivot of the matrix less the value is negative.
+/// Returns the largest eigenvalue of a tridiagonal matrix by bisection: above all eigenvalues every pivot of the matrix less
+/// the value is negative.
 fn largest_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> f64 {
     let is_above_all = |x: f64| {
         let mut pivot = 1.0;
@@ -171,7 +173,7 @@ mod tests {
     use super::*;
     use crate::geometry::voxel::Cells;
 
-    /// Of an isotropic solid.
+    /// The constants of an isotropic solid.
     const SOLID: [f64; 2] = [2.246_71, 1.0];
 
     fn block(n: [i32; 3], keep: impl Fn([i32; 3]) -> bool) -> Lattice {
@@ -181,7 +183,7 @@ mod tests {
         Lattice::new(&Cells::from_list(&list, 0.3).expect("cells"))
     }
 
-    /// What many more steps find, without any addition.
+    /// Returns what many more steps find, with no ε added.
     fn exact(lattice: &Lattice) -> f64 {
         let cell = unit_cell(SOLID);
         largest_ritz_value(&Weighted::of(lattice, &cell), 400) / (8.0 * largest_eigenvalue(cell))

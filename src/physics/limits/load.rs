@@ -1,5 +1,5 @@
-//! What steps of a scheme make of stiffness and damping: a load that has a limit, and the margin to it that automatic
-//! stepping keeps.
+//! The load that stiffness and damping put on the steps of a scheme, its limit, and the margin that automatic stepping
+//! keeps.
 
 use crate::geometry::Family;
 use crate::physics::model::{ContactRule, Scheme};
@@ -8,17 +8,17 @@ use crate::physics::schemes::chebyshev::{DISC_RADIUS, MOST_STAGES, reach};
 /// The share of the step bounded at rest by stiffness alone that automatic stepping takes, which covers crumpled bodies.
 pub const SAFETY: f64 = 0.55;
 
-/// The same of a step of semi-implicit Euler that the damping of a family alone bounds: structural, shear, bending. A link
-/// resists along itself with no more than its damping however long it is, and shear links hold a cell in shape. Not of
-/// Verlet's, which predicts the velocity from how the links pointed before.
+/// The same share for a step of semi-implicit Euler bounded by the damping of one family alone: structural, shear, bending.
+/// A link resists along itself with no more than its damping however long it is, and shear links hold a cell in shape. These
+/// shares do not hold for Verlet, which predicts the velocity from how the links pointed before.
 pub(in crate::physics) const DAMPING_SAFETY: [f64; 3] = [SAFETY, 0.9, 0.85];
 
-/// Shear links hold the angles of a cell if they are stiffer than this share of the stiffest other links: then links of
-/// different directions do not line up unseen, which would be damped several times as fast together.
+/// Shear links hold the angles of a cell if they are stiffer than this share of the stiffest other links. Then links of
+/// different directions do not line up unseen; lined up, they would be damped several times as fast together.
 pub(in crate::physics) const HOLDING_SHARE: f64 = 0.05;
 
 /// The share of the disc that the stabilised scheme takes. However a body is crumpled, stiffness and damping of a link point
-/// the same way: only across links that are stretched is there stiffness alone, and those are watched.
+/// the same way: stiffness without damping acts only across stretched links, and those are watched.
 const DISC_SAFETY: f64 = 0.9;
 
 /// The largest eigenvalue of `M⁻¹ (dt² K + 2 dt C)` with which motion stays bounded.
@@ -33,7 +33,7 @@ pub(super) enum Region {
     /// Half a disc of this radius. An eigenvalue is no larger than the larger of ω and c, whichever way damping and
     /// stiffness mix.
     HalfDisc(f64),
-    /// A disc that touches 0, in which everything lies whose stiffness is no more than so much of its damping, and the
+    /// A disc that touches 0, which holds every vibration whose ratio of stiffness to damping is small enough, and the
     /// negative axis as far as the most stages reach ([`super::stabilised`]).
     DiscAndAxis,
     /// Everything: links are part of the equations that are solved.
@@ -55,54 +55,54 @@ impl Region {
     }
 }
 
-/// How much of the stiffness (1/s²) and of the damping (1/s) of a vibration adds to its load, which stays bounded up to
-/// [`LATTICE_LIMIT`].
+/// The factors that make the load of a vibration from its stiffness (1/s²) and its damping (1/s). The vibration stays
+/// bounded up to a load of [`LATTICE_LIMIT`].
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct LoadShare {
-    /// s².
+    /// Of the stiffness, s².
     pub(in crate::physics) stiffness: f64,
-    /// Of each family, s.
+    /// Of the damping of each family, s.
     pub(in crate::physics) damping: [f64; 3],
-    /// Of contact where it pushes at the stages of the scheme, s.
+    /// Of the damping of contact, if it pushes at the stages of the scheme, s.
     pub(in crate::physics) pushes: f64,
 }
 
 impl LoadShare {
-    /// For steps of `dt` (s) of the default scheme, semi-implicit Euler.
+    /// Returns the factors for steps of `dt` (s) of the default scheme, semi-implicit Euler.
     pub(in crate::physics) fn of_default(dt: f64) -> Self {
         Self { stiffness: dt * dt, damping: [2.0 * dt; 3], pushes: 0.0 }
     }
 
-    /// Of the damping of cells that share out their links, s: whichever family it is of.
+    /// Returns the factor for the damping of cells that share out their links, s: the same for every family.
     pub(in crate::physics) fn damping_of_cells(&self) -> f64 {
         self.damping[Family::Structural as usize]
     }
 }
 
-/// What the links of a body add at most to its load, whichever way it vibrates.
+/// The most that the links of a body add to its load, in whatever mode it vibrates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LinkLoad {
-    /// To the square of a frequency, 1/s².
+    /// Added to the square of a frequency, 1/s².
     pub stiffness: f64,
-    /// To a rate of damping, 1/s.
+    /// Added to a rate of damping, 1/s.
     pub damping: f64,
 }
 
 impl LinkLoad {
-    /// A share of it.
+    /// Returns a share of the load.
     pub(in crate::physics) fn times(self, share: f64) -> Self {
         Self { stiffness: share * self.stiffness, damping: share * self.damping }
     }
 
-    /// The larger of two loads, each part by itself.
+    /// Returns the larger of two loads, each part by itself.
     pub(in crate::physics) fn larger_of(self, other: Self) -> Self {
         Self { stiffness: self.stiffness.max(other.stiffness), damping: self.damping.max(other.damping) }
     }
 
-    /// Whether steps of `dt` (s) of a scheme bear it with a margin.
+    /// Whether steps of `dt` (s) of a scheme bear the load with a margin.
     pub(super) fn is_borne(&self, scheme: Scheme, dt: f64, margin: Margin) -> bool {
         let longer = dt / margin.stiffness;
-        // Across a link that is stretched nothing damps: there the stabilised scheme is no better than RK2.
+        // Nothing damps across a stretched link: there the stabilised scheme is no better than RK2.
         let across = if scheme == Scheme::Stabilised { longer * longer * self.stiffness } else { 0.0 };
         let of_links = |share: LoadShare| self.stiffness * share.stiffness + self.damping * share.damping_of_cells();
         across <= LATTICE_LIMIT
@@ -110,8 +110,8 @@ impl LinkLoad {
     }
 }
 
-/// The shares of the step bounded at rest that automatic stepping takes: where stiffness bounds it, and where the damping
-/// of each family does. Where several do, each adds to the load as if the step were longer by its own.
+/// The shares of the step bounded at rest that automatic stepping takes: one if stiffness bounds the step, and one for each
+/// family if its damping does. If several bound it, each adds to the load as if the step were longer by its own margin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::physics) struct Margin {
     pub(super) stiffness: f64,
@@ -119,15 +119,15 @@ pub(in crate::physics) struct Margin {
 }
 
 impl Margin {
-    /// All of the bound.
+    /// No margin: the whole bound.
     pub(in crate::physics) const NONE: Self = Self { stiffness: 1.0, damping: [1.0; 3] };
 
-    /// The same share of everything.
+    /// Returns the same share for everything.
     pub(super) const fn alike(share: f64) -> Self {
         Self { stiffness: share, damping: [share; 3] }
     }
 
-    /// What a scheme keeps of a body whose cells' angles are held, or are not.
+    /// Returns the margin of a scheme for a body whose links hold the angles of its cells, or do not.
     pub(in crate::physics) fn of(scheme: Scheme, angles_are_held: bool) -> Self {
         let damping = if angles_are_held { DAMPING_SAFETY } else { [SAFETY; 3] };
         match scheme {
@@ -137,20 +137,21 @@ impl Margin {
         }
     }
 
-    /// The load of contact's stiffness (1/s²) in a step of `dt` (s) that nothing else limits, over that stiffness.
+    /// Returns the load of contact's stiffness (1/s²) over that stiffness, s², in a step of `dt` (s) that nothing else
+    /// limits.
     pub(in crate::physics) fn contact_secs2(self, dt: f64) -> f64 {
         let longer = dt / self.stiffness;
         longer * longer
     }
 }
 
-/// Whether links of such stiffness by family hold the angles of cells.
+/// Whether links with this stiffness by family hold the angles of cells.
 pub(in crate::physics) fn angles_are_held([structural, shear, bending]: [f64; 3]) -> bool {
     shear > HOLDING_SHARE * structural.max(bending)
 }
 
-/// The loads that each have to stay below their limit for steps of `dt` (s) of a scheme with a margin; none where links do
-/// not limit it.
+/// Returns the factors of every load that must stay below the limit in steps of `dt` (s) of a scheme with a margin; none if
+/// links do not limit the scheme.
 pub(in crate::physics) fn load_shares(
     scheme: Scheme,
     dt: f64,
@@ -176,18 +177,18 @@ pub(in crate::physics) fn load_shares(
     Some(shares.into_iter().flatten())
 }
 
-/// How far the most stages of the stabilised scheme reach along the negative axis.
+/// Returns how far the most stages of the stabilised scheme reach along the negative axis.
 fn most_reach() -> f64 {
     reach(MOST_STAGES)
 }
 
-/// How many times its damping (1/s) a stiffness (1/s²) may be in steps of `dt` (s) with a margin, 1/s, with a scheme that
-/// asks for that.
+/// Returns the largest ratio of stiffness (1/s²) to damping (1/s) in steps of `dt` (s) with a margin, 1/s; only for a scheme
+/// that limits it.
 pub(in crate::physics) fn most_stiffness_per_damping(scheme: Scheme, dt: f64, margin: Margin) -> Option<f64> {
     (Region::of(scheme) == Region::DiscAndAxis).then(|| DISC_RADIUS * margin.stiffness / dt)
 }
 
-/// Whether the springs of contact push at the stages of a scheme and so take their share of its limits.
+/// Whether the springs of contact push at the stages of a scheme and so use up part of its limits.
 pub(in crate::physics) fn has_pushes(scheme: Scheme, rule: ContactRule) -> bool {
     Region::of(scheme).has_pushes(rule)
 }
@@ -197,7 +198,7 @@ impl Region {
         self == Self::DiscAndAxis && rule != ContactRule::Thesis
     }
 
-    /// The largest step for a vibration with `ω² = λ`.
+    /// Returns the largest step for an undamped vibration with `ω² = λ`.
     pub(super) fn undamped_limit(self, lambda: f64) -> Option<f64> {
         match self {
             Self::Leapfrog(_) => undamped_limit(lambda),
@@ -207,8 +208,8 @@ impl Region {
         }
     }
 
-    /// The largest step for stiffness and damping that are in this proportion, 1/s: as [`Self::undamped_limit`] where the
-    /// damping does not matter.
+    /// Returns the largest step for stiffness (1/s²) and damping (1/s) in this proportion; that of [`Self::undamped_limit`]
+    /// for schemes to which the damping does not matter.
     pub(super) fn stiffness_limit(self, lambda: f64, damping: f64) -> Option<f64> {
         match self {
             Self::DiscAndAxis => (lambda > 0.0).then(|| DISC_RADIUS * damping / lambda),
@@ -216,7 +217,7 @@ impl Region {
         }
     }
 
-    /// The largest step for the thesis's explicit contact, which is as a spring is.
+    /// Returns the largest step for the thesis's explicit contact, which acts as a spring.
     pub(super) fn contact_limit(self, lambda: f64) -> Option<f64> {
         match self {
             Self::Everywhere | Self::DiscAndAxis => undamped_limit(lambda),
@@ -224,7 +225,7 @@ impl Region {
         }
     }
 
-    /// The largest step for damping with `c = λ`.
+    /// Returns the largest step for damping with `c = λ`.
     pub(super) fn damped_limit(self, lambda: f64) -> Option<f64> {
         match self {
             Self::Leapfrog(share) => damped_limit(share * lambda),
@@ -235,12 +236,12 @@ impl Region {
     }
 }
 
-/// `dt² λ ≤ 4`.
+/// Returns the largest step with `dt² λ ≤ 4`.
 pub(super) fn undamped_limit(lambda: f64) -> Option<f64> {
     (lambda > 0.0).then(|| 2.0 / lambda.sqrt())
 }
 
-/// `2 dt λ ≤ 4`.
+/// Returns the largest step with `2 dt λ ≤ 4`.
 pub(super) fn damped_limit(lambda: f64) -> Option<f64> {
     (lambda > 0.0).then(|| 2.0 / lambda)
 }

@@ -1,28 +1,28 @@
 //! How large a step may be, computed before anything moves (I5, I6).
 //!
-//! Semi-implicit Euler with link forces `K` and damping `C` is the leapfrog scheme with centred damping; its energy
-//! stays positive, and the motion bounded, iff `4M − dt² K − 2 dt C` is positive definite. Each link contributes
-//! `κ (d̂·(x_j − x_i))²` with `κ = dt² k/l0 + 2 dt d/l0`. For an infinite lattice the largest eigenvalue is found by
-//! plane waves (Bloch): over wave vectors q,
+//! Semi-implicit Euler with link forces `K` and damping `C` is the leapfrog scheme with centred damping; its energy stays
+//! positive, and the motion bounded, iff `4M − dt² K − 2 dt C` is positive definite. Each link contributes
+//! `κ (d̂·(x_j − x_i))²` with `κ = dt² k/l0 + 2 dt d/l0`. For an infinite lattice the largest eigenvalue follows from plane
+//! waves (Bloch): over wave vectors q,
 //!
 //! ```text
 //! λ(dt) = max_q λ_max( Σ over 16 half links of 2 κ (1 − cos q·δ) d̂ d̂ᵀ ) / m   ≤   4
 //! ```
 //!
-//! Where links and masses are shared out by cells the bound is that of the stiffest cell (`cells`), or of all of them
-//! together where they are alike (`lattice`); where springs differ by cell, what each particle is held by counts
-//! (`particles`).
+//! If cells share out links and masses, the bound is that of the stiffest cell (`cells`), or of the whole lattice if all
+//! cells are alike (`lattice`). If springs differ by cell, the bound is that of the particle whose links hold it most
+//! strongly (`particles`).
 //!
-//! Removing links only lowers the quadratic form, so the bound holds for every subset of cells with the same mass
-//! per particle, whatever its size. It is a bound at rest. Bodies whose particles are misplaced by a cell were seen to
-//! blow up from about 0.58 of it where stiffness limits them, and from 1.0 where the damping of all families does; without
-//! that of shear links a body folds freely, structural links line up along its creases, and it blows up from 0.7: hence a
-//! margin of its own for stiffness and for the damping of each family. Without the stiffness of shear links bending links
-//! line up as well, before any is strained: then that of stiffness counts for all. What is torn or crumpled further is taken
-//! in parts.
+//! Removing links only lowers the quadratic form, so the bound holds for every subset of cells with the same mass per
+//! particle, whatever its size. It is a bound at rest. Bodies whose particles are misplaced by a cell were seen to blow up
+//! from about 0.58 of it where stiffness limits them, and from 1.0 where the damping of all families does. Without the
+//! damping of shear links a body folds freely, structural links line up along its creases, and it blows up from 0.7. Hence
+//! stiffness and the damping of each family have margins of their own. Without the stiffness of shear links, bending links
+//! line up as well, before any is strained: then the margin of stiffness counts for all. Bodies that are torn or crumpled
+//! further take a substep in parts.
 //!
-//! Verlet with its predicted damping velocity counts the damping twice; RK4 has a region of stability of its own; the
-//! implicit scheme has no limit but that of the thesis's explicit contact.
+//! Verlet with its predicted damping velocity counts the damping twice; RK4 has a stability region of its own; the implicit
+//! scheme has no limit but that of the thesis's explicit contact.
 
 pub(in crate::physics) mod any_state;
 pub(in crate::physics) mod cells;
@@ -68,12 +68,12 @@ pub enum Term {
     Contact,
     /// The step the person asked for.
     User,
-    /// All together.
+    /// All terms together.
     Combined,
 }
 
 impl Term {
-    /// The term's word in figures.
+    /// Returns the term's name in figures.
     pub fn name(self) -> String {
         match self {
             Self::Stiffness(family) => format!("{}_stiffness", family.name()),
@@ -84,7 +84,7 @@ impl Term {
         }
     }
 
-    /// The term's words on screen.
+    /// Returns the term's words on screen.
     pub fn words(self) -> String {
         match self {
             Self::Stiffness(family) => format!("{} stiffness", family.name()),
@@ -96,25 +96,26 @@ impl Term {
     }
 }
 
-/// The largest stable steps of a scene, the smallest over its bodies; `None` where nothing limits. By default those of a
+/// The largest stable steps of a scene: the smallest over its bodies, `None` where nothing limits. The default is that of a
 /// scene without bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneLimits {
-    /// Each term alone, s: the same terms of every body.
+    /// The limit of each term alone, s: the same terms for every body.
     pub terms: Vec<(Term, Option<f64>)>,
     /// All terms together at rest, s.
     pub dt_limit_secs: Option<f64>,
     /// The largest step that automatic stepping takes, s.
     pub dt_safe_secs: Option<f64>,
-    /// The largest rate of damping at rest with the margin that automatic stepping keeps, and of contact, 1/s.
+    /// The largest rate of damping at rest, 1/s: of links with the margin that automatic stepping keeps, plus that of
+    /// contact.
     pub(in crate::physics) damping_rate: f64,
-    /// That of contact alone, where it pushes at the stages of a scheme, 1/s.
+    /// The part of contact alone, if it pushes at the stages of a scheme, 1/s.
     pub(in crate::physics) push_rate: f64,
 }
 
 impl SceneLimits {
-    /// The limits of a model that a scheme advances. Explicit Euler and RK2 have no stable step for an undamped
-    /// vibration: theirs are the steps beyond which every vibration blows up at once.
+    /// Returns the limits of a model that a scheme advances. Explicit Euler and RK2 have no stable step for an undamped
+    /// vibration: their limits are the steps beyond which every vibration blows up at once.
     pub fn of<R: Real>(model: &Model<R>, rule: ContactRule, scheme: Scheme) -> Self {
         let waves = lattice_waves();
         let margin = |body: &BodyModel<R>| Margin::of(scheme, angles_are_held_in(body));
@@ -123,7 +124,7 @@ impl SceneLimits {
         bodies.reduce(Self::tighter).unwrap_or_default()
     }
 
-    /// The smaller of each limit of two bodies.
+    /// Returns the smaller of each limit of two bodies.
     fn tighter(mut self, other: Self) -> Self {
         for ((_, mine), (_, theirs)) in self.terms.iter_mut().zip(other.terms) {
             *mine = smaller(*mine, theirs);
@@ -137,22 +138,22 @@ impl SceneLimits {
         }
     }
 
-    /// How many equal substeps make a whole step of `dt_secs` safe.
+    /// Returns how many equal substeps make a whole step of `dt_secs` safe.
     pub fn substeps(&self, dt_secs: f64) -> u32 {
         match self.dt_safe_secs {
             None => 1,
-            // The conversion saturates, which is right: more substeps than fit in a u32 take for ever all the same.
+            // The conversion saturates, which is right: a step of more substeps than fit in a u32 never ends anyway.
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least one, saturating")]
             Some(safe) => libm::ceil(dt_secs / safe).max(1.0) as u32,
         }
     }
 
-    /// The longest step that can be divided into safe ones, s: there is no counting beyond it.
+    /// Returns the longest step that can be divided into safe ones, s: no more of them can be counted.
     pub(in crate::physics) fn longest_step_secs(&self) -> f64 {
         self.dt_safe_secs.map_or(f64::INFINITY, |safe| safe * f64::from(u32::MAX))
     }
 
-    /// What limits a whole step of `dt_secs`: the tightest term, or the person who asked for less.
+    /// Returns what limits a whole step of `dt_secs`: the tightest term, or the user, who asked for no more than is safe.
     pub fn limited_by(&self, dt_secs: f64) -> Term {
         if self.dt_safe_secs.is_none_or(|safe| dt_secs <= safe) {
             return Term::User;
@@ -165,7 +166,7 @@ impl SceneLimits {
     }
 }
 
-/// Whether the links of all cells of a body hold their angles. Those of a solid do.
+/// Whether the links of all cells of a body hold the cells' angles. Those of a solid do.
 fn angles_are_held_in<R: Real>(body: &BodyModel<R>) -> bool {
     matches!(body.composition, Composition::Solids { .. })
         || body.lattices().all(|lattice| angles_are_held(lattice.stiffness))
@@ -206,7 +207,7 @@ fn wave_tensors(q: DVec3) -> WaveTensors {
     tensors
 }
 
-/// The 3 structural, 6 + 4 shear and 3 bending offsets that reach half of a particle's neighbours, in cells.
+/// Returns the 3 structural, 6 + 4 shear and 3 bending offsets to half of a particle's neighbours, in cells.
 fn half_stencil() -> impl Iterator<Item = (Family, DVec3)> {
     let unit_box = (-1..=1).flat_map(|z| (-1..=1).flat_map(move |y| (-1..=1).map(move |x| (z, y, x))));
     let near = unit_box.filter(|&offset| offset > (0, 0, 0)).map(|(z, y, x)| {
@@ -243,7 +244,7 @@ fn body_limits<R: Real>(
             return limits_of_loads(&loads.of_springs(own), safe_damping, contact, pushes, region, margin);
         }
     }
-    // With the cell size h the tensors scale by 1/h; mass and cell size divide every constant.
+    // With the cell size h the tensors scale by 1/h; every constant is divided by mass and cell size.
     let scale = 1.0 / (body.particle_mass.to_f64() * body.lattice.grid.cell_size);
     let mut stiffness = [0.0; 3];
     let mut damping = [0.0; 3];
@@ -264,7 +265,7 @@ fn body_limits<R: Real>(
     }
     let contact_limit = smaller(region.contact_limit(contact), pushes.limit(region));
     terms.push((Term::Contact, contact_limit));
-    // What is no more than so much of its damping in every family is in all of them together.
+    // A ratio of stiffness to damping that holds in every family holds for all of them together.
     let in_proportion = terms.iter().filter_map(|(term, limit)| matches!(term, Term::Stiffness(_)).then_some(*limit));
     let in_proportion = in_proportion.fold(None, smaller);
     let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| {
@@ -293,12 +294,12 @@ fn body_limits<R: Real>(
     SceneLimits { terms, dt_limit_secs, dt_safe_secs, damping_rate, push_rate: pushes.rate }
 }
 
-/// The springs of contact where they push at the stages of a scheme.
+/// The springs of contact, if they push at the stages of a scheme.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::physics) struct Pushes {
-    /// How many times their damping their stiffness is, at most, 1/s.
+    /// Their largest ratio of stiffness to damping, 1/s.
     pub(in crate::physics) stiffness_per_damping: f64,
-    /// How fast they stop a particle, at most, 1/s.
+    /// The largest rate at which they stop a particle, 1/s.
     pub(in crate::physics) rate: f64,
 }
 
@@ -311,7 +312,7 @@ impl Pushes {
         body.contacts.iter().map(|contact| Self::of_contact(contact, lightest)).fold(Self::default(), Self::max)
     }
 
-    /// Of one obstacle and particles of which the lightest has this mass, kg.
+    /// Returns the springs of contact with one obstacle; the lightest particle has this mass, kg.
     pub(in crate::physics) fn of_contact<R: Real>(contact: &ContactModel<R>, lightest: f64) -> Self {
         if contact.stiffness <= R::ZERO {
             return Self::default();
@@ -332,7 +333,7 @@ impl Pushes {
     }
 }
 
-/// Of a body whose links add such loads, and damping with its margin `safe_damping` (1/s).
+/// Returns the limits of a body whose links add these loads, and whose damping with its margin is `safe_damping` (1/s).
 fn limits_of_loads(
     loads: &CellLoads,
     safe_damping: f64,
@@ -370,7 +371,7 @@ fn limits_of_loads(
     SceneLimits { terms, dt_limit_secs, dt_safe_secs, damping_rate, push_rate: pushes.rate }
 }
 
-/// The largest dt with `λ_max(dt² K + 2 dt C) + dt² contact ≤ 4`, by bisection on a function that grows with dt.
+/// Returns the largest dt with `λ_max(dt² K + 2 dt C) + dt² contact ≤ 4`, by bisection on a function that grows with dt.
 fn combined_limit(waves: &[WaveTensors], stiffness: [f64; 3], damping: [f64; 3], contact: f64) -> Option<f64> {
     let load = |dt: f64| {
         let constants = std::array::from_fn(|f| dt * dt * stiffness[f] + 2.0 * dt * damping[f]);
@@ -382,7 +383,7 @@ fn combined_limit(waves: &[WaveTensors], stiffness: [f64; 3], damping: [f64; 3],
     if load(high) <= 4.0 {
         return Some(high);
     }
-    // Both shares at half their own limit add up to at most 1 + 2 < 4.
+    // At half of both limits, stiffness and damping together add at most 1 + 2 < 4.
     let mut low = 0.5 * high;
     while high - low > 1e-9 * high {
         let middle = 0.5 * (low + high);
@@ -395,7 +396,7 @@ fn combined_limit(waves: &[WaveTensors], stiffness: [f64; 3], damping: [f64; 3],
     Some(low)
 }
 
-/// The largest eigenvalue over all wave vectors of the lattice with these constants by family.
+/// Returns the largest eigenvalue over all wave vectors of the lattice with these constants by family.
 pub(super) fn largest(waves: &[WaveTensors], constants: [f64; 3]) -> f64 {
     if constants.iter().all(|&constant| constant <= 0.0) {
         return 0.0;
@@ -404,7 +405,8 @@ pub(super) fn largest(waves: &[WaveTensors], constants: [f64; 3]) -> f64 {
     for tensors in waves {
         let sum = tensors[0] * constants[0] + tensors[1] * constants[1] + tensors[2] * constants[2];
         let (_, mean, p) = shifted(sum);
-        // No eigenvalue is above this, and most waves are far below the worst: their angle need not be worked out.
+        // No eigenvalue is above this bound, and for most waves it is far below the largest so far: their angle need not be
+        // computed.
         if mean + 2.0 * p >= (1.0 - 1e-9) * most {
             most = most.max(largest_eigenvalue(sum));
         }

@@ -1,15 +1,15 @@
 //! The stability bound of bodies whose springs differ by cell.
 //!
-//! Plane waves know of one material, and cells that share out their links ([`super::cells`]) of masses that are shared out
-//! with them. What holds of any links: one along the unit vector d̂, of constant k and rest length l, resists no more than if
-//! each of its ends were tied to where it is by twice its stiffness,
+//! Plane waves need one material, and the bound by cells ([`super::cells`]) needs masses that cells share out together with
+//! their links. For any links the following holds: a link along the unit vector d̂, of constant k and rest length l, resists
+//! no more than if each of its ends were tied to its place by twice the link's stiffness,
 //!
 //! ```text
 //! k/l (d̂·(a − b))² ≤ 2 k/l ((d̂·a)² + (d̂·b)²),   λ_max(M⁻¹ A) ≤ max over particles λ_max(Σ over its links 2 k/l d̂ d̂ᵀ)/m
 //! ```
 //!
-//! Of each family alone this is what plane waves give inside a body; of all together up to a fifth more, as not every family
-//! resists the same wave most.
+//! For each family alone this is what plane waves give inside a body; for all together up to a fifth more, as not every
+//! family resists the same wave most.
 
 use std::collections::BTreeSet;
 
@@ -20,17 +20,17 @@ use super::eigenvalue::{Addition, largest_eigenvalue, largest_multiple};
 use crate::geometry::{Family, Lattice};
 use crate::physics::model::CellKind;
 
-/// What a link, or the mass of a particle, is the mean of: kinds of cells with the share of each.
+/// The kinds of cells whose mean a link or the mass of a particle is, with the share of each.
 pub(in crate::physics) type Mixture = Vec<(u8, f64)>;
 
-/// The classes of a set of links or particles, by their places, and what each class is the mean of.
+/// The class of each of a set of links or particles, and the mixture of each class.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct MadeOf<'a> {
     pub(in crate::physics) class: &'a [u16],
     pub(in crate::physics) mixtures: &'a [Mixture],
 }
 
-/// A kind of cells, and the values that it is taken to have.
+/// A kind of cells, and the values that are assumed for it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct Taken<'a> {
     pub(in crate::physics) kind: u8,
@@ -44,24 +44,24 @@ pub(in crate::physics) enum Constant {
     Damping,
 }
 
-/// What particles are held by, each sort of them once.
+/// The links and masses of a body's particles, once for each sort of particle.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::physics) struct ParticleLoads {
     kinds: Vec<CellKind>,
     sorts: Vec<Sort>,
 }
 
-/// Particles that are held and weigh alike: what they have of each kind of cells.
+/// Particles with equal links and masses: their parts by kind of cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Sort(Vec<OfKind>);
 
-/// What a particle has of a kind.
+/// The part of a particle that belongs to one kind of cells.
 #[derive(Clone, Debug, PartialEq)]
 struct OfKind {
     kind: u8,
-    /// By family, of links of a constant of 1, 1/m.
+    /// The sum over its links of `2/l d̂ d̂ᵀ`, each times the kind's share, by family, 1/m.
     links: [DMat3; 3],
-    /// The share of its mass.
+    /// The kind's share of its mass.
     mass: f64,
 }
 
@@ -74,7 +74,7 @@ impl Sort {
         &mut self.0[place]
     }
 
-    /// The links of a family of one kind.
+    /// Returns the links of a family of one kind.
     fn links(&self, kind: u8, family: Family) -> DMat3 {
         self.0.iter().find(|of| of.kind == kind).map_or(DMat3::ZERO, |of| of.links[family as usize])
     }
@@ -90,7 +90,7 @@ impl Constant {
 }
 
 impl ParticleLoads {
-    /// Of the particles of a lattice whose links (by family) and masses are mixtures of these kinds.
+    /// Returns the loads of the particles of a lattice whose links (by family) and masses are mixtures of these kinds.
     pub(in crate::physics) fn of(
         kinds: Vec<CellKind>,
         lattice: &Lattice,
@@ -127,12 +127,12 @@ impl ParticleLoads {
         Self { kinds, sorts: held.iter().map(sort).collect() }
     }
 
-    /// The kinds of cells that occur, the body's own first.
+    /// Returns the kinds of cells that occur, the body's own first.
     pub(in crate::physics) fn kinds(&self) -> &[CellKind] {
         &self.kinds
     }
 
-    /// The body's own springs as they are.
+    /// Returns the body's own springs with their present values.
     pub(in crate::physics) fn own(&self) -> Taken<'_> {
         Taken { kind: 0, values: &self.kinds[0] }
     }
@@ -156,12 +156,12 @@ impl ParticleLoads {
         sum
     }
 
-    /// The most that stiffness (1/s²) or damping (1/s) adds, each family as much as its weight.
+    /// Returns the most that stiffness (1/s²) or damping (1/s) adds, with each family times its weight.
     pub(in crate::physics) fn most(&self, taken: Taken<'_>, of: Constant, weights: [f64; 3]) -> f64 {
         self.over_mass(&self.resistances(taken, of, weights), taken)
     }
 
-    /// All that springs add.
+    /// Returns all loads of springs.
     pub(in crate::physics) fn of_springs(&self, taken: Taken<'_>) -> CellLoads {
         let alone = |of: Constant| {
             std::array::from_fn(|family| {
@@ -180,12 +180,12 @@ impl ParticleLoads {
         }
     }
 
-    /// How many times its damping the stiffness of a link is, at most, 1/s.
+    /// Returns the largest ratio of stiffness to damping of any link, 1/s.
     pub(in crate::physics) fn per_damping(&self, taken: Taken<'_>) -> f64 {
         self.per_damping_of_kind(taken).max(self.per_damping_of_others(taken.kind))
     }
 
-    /// The same of the other kinds than this: infinite where some have only stiffness.
+    /// Returns the same ratio over all kinds but this one: infinite if some have only stiffness.
     pub(in crate::physics) fn per_damping_of_others(&self, kind: u8) -> f64 {
         let others = self.kinds.iter().zip(0..).filter(|(_, other)| *other != kind);
         others.map(|(values, kind)| self.per_damping_of_kind(Taken { kind, values })).fold(0.0, f64::max)
@@ -200,25 +200,25 @@ impl ParticleLoads {
         Family::ALL.map(of_family).into_iter().fold(0.0, f64::max)
     }
 
-    /// The most that a family of the kind's links alone adds for a constant of 1, 1/(kg m).
+    /// Returns the most that a family of the kind's links alone adds for a constant of 1, 1/(kg m).
     pub(in crate::physics) fn of_one(&self, taken: Taken<'_>, family: Family) -> f64 {
         let of_sort = |sort: &Sort| largest_eigenvalue(sort.links(taken.kind, family)) / self.mass_kg(sort, taken);
         self.sorts.iter().map(of_sort).fold(0.0, f64::max)
     }
 
-    /// What each sort resists with, N/m or N·s/m.
+    /// Returns the resistance of each sort of particle, N/m or N·s/m.
     pub(in crate::physics) fn resistances(&self, taken: Taken<'_>, of: Constant, weights: [f64; 3]) -> Vec<f64> {
         self.sorts.iter().map(|sort| largest_eigenvalue(self.sum(sort, taken, of, weights))).collect()
     }
 
-    /// The most of them over the mass.
+    /// Returns the largest of these resistances over the mass.
     pub(in crate::physics) fn over_mass(&self, resistances: &[f64], taken: Taken<'_>) -> f64 {
         let sorts = self.sorts.iter().zip(resistances);
         sorts.map(|(sort, resists)| resists / self.mass_kg(sort, taken)).fold(0.0, f64::max)
     }
 
-    /// The largest value of one constant of a family of the kind, whose other values are given, with which [`Self::most`] is no
-    /// more than a limit. Zero where none is, infinite where the family has no such links or no weight.
+    /// Returns the largest value of one constant of a family of the kind for which [`Self::most`] is within a limit, all
+    /// other values as given. Zero if there is none, infinite if the family has no such links or no weight.
     pub(in crate::physics) fn largest(
         &self,
         taken: Taken<'_>,
@@ -246,14 +246,14 @@ impl ParticleLoads {
     }
 }
 
-/// The links that a particle may have, by where they lead: 27 places around it, those two cells away along each axis, and
-/// what the particle weighs.
+/// The slots of a particle: its links by where they lead, to 27 places around it and 6 that are two cells away along the
+/// axes, and its mass.
 const SLOTS: usize = MASS + 1;
 const MASS: usize = 27 + 6;
-/// Stands where a particle has no such link.
+/// Marks a slot without a link.
 const NOTHING: u16 = u16::MAX;
 
-/// The slot of a link that leads so many cells away.
+/// Returns the slot of a link that leads `way` cells away.
 fn slot(way: [i64; 3]) -> usize {
     match way.iter().position(|cells| cells.abs() == 2) {
         Some(axis) => 27 + 2 * axis + usize::from(way[axis] > 0),
@@ -261,7 +261,7 @@ fn slot(way: [i64; 3]) -> usize {
     }
 }
 
-/// What [`slot`] is of, cells.
+/// Returns the family of a slot's link and where it leads, cells: the inverse of [`slot`].
 fn family_and_way(slot: usize) -> (Family, DVec3) {
     if let Some(second) = slot.checked_sub(27) {
         let toward = if second % 2 == 1 { 2.0 } else { -2.0 };
@@ -286,7 +286,7 @@ mod tests {
     use crate::scene::resolve::resolve;
     use crate::scene::{Body, Material, Scene, Shape, Springs};
 
-    /// A cube of this many cells an edge, each of its own springs or of one of two others.
+    /// Returns a cube of this many cells an edge, each cell with its own springs or one of two others.
     fn mixed(cells: u32, springs: [Springs; 3], rng: &mut Rng) -> Simulation<f64> {
         let inlay = |springs: Springs| Inlay { max: [-1.0; 3], springs, ..Inlay::default() };
         let mut inlays = vec![inlay(springs[1]), inlay(springs[2])];
@@ -323,7 +323,7 @@ mod tests {
         for cells in [1, 2, 3, 4, 4, 4] {
             let springs = std::array::from_fn(|_| random_springs(&mut rng));
             let simulation = mixed(cells, springs, &mut rng);
-            // The only cell may be of the body's own, or all of one other.
+            // The only cell may have the body's own springs, or those of one inlay alone.
             let Composition::Springs { loads, .. } = &simulation.model().bodies[0].composition else { continue };
             let bounds = [Constant::Stiffness, Constant::Damping].map(|of| loads.most(loads.own(), of, [1.0; 3]));
             let found = fastest(&simulation.model().bodies[0], &simulation.state().position);

@@ -1,6 +1,6 @@
-//! How large a step may be in the state that a body is in.
+//! How large a step may be in the present state of a body.
 //!
-//! What holds in any state ([`super::any_state`]) is far too careful for a body that hangs by a few cells: its links still
+//! The bound for any state ([`super::any_state`]) is far too careful for a body that hangs by a few cells: its links still
 //! point everywhere. A link along a unit vector d̂ that is stretched to the length l resists along itself and, with its
 //! tension over its length, across:
 //!
@@ -8,21 +8,23 @@
 //! S = d̂ d̂ᵀ + t (1 − d̂ d̂ᵀ),   t = max(0, 1 − l0/l)
 //! ```
 //!
-//! With `(aᵢ − aⱼ)² ≤ (1/m + 1/M) (m aᵢ² + M aⱼ²)` for its ends' masses m and M, as in any state, but with its direction kept,
+//! With `(aᵢ − aⱼ)² ≤ (1/m + 1/M) (m aᵢ² + M aⱼ²)` for the masses m and M of its ends, as in any state, but with its
+//! direction kept,
 //!
 //! ```text
 //! λ(K) ≤ max over particles λmax(Σ over its links k/l0 (1/m + 1/M) S)
 //! ```
 //!
-//! and the same of the damping with `d̂ d̂ᵀ` alone. At rest this is a third of the bound in any state. A compressed link pushes
-//! its ends aside, which only takes from the stiffness.
+//! and the same for the damping with `d̂ d̂ᵀ` alone. At rest this is a third of the bound in any state. A compressed link
+//! pushes its ends aside, which only lowers the stiffness.
 //!
-//! Semi-implicit Euler takes it with the margin that it keeps at rest: it gave no energy in thousands of extreme scenes, where
-//! Verlet, whose damping follows from how links pointed before, gave some. Across stretched links the stabilised scheme has
-//! nothing that damps, and what meets a body may stretch them within one of its long substeps. These keep to any state.
+//! Semi-implicit Euler takes this bound with the margin that it keeps at rest: it gave no energy in thousands of extreme
+//! scenes. Verlet, whose damping follows from how links pointed before, gave some. The stabilised scheme has nothing that
+//! damps across stretched links, and what hits a body may stretch them within one of its long substeps. These two keep to
+//! the bound for any state.
 //!
-//! It holds as the links point now. They are looked at again before they can have turned by much ([`looks`]), and a part of a
-//! substep in which an end passes the other by half a link is divided further.
+//! The bound holds for the present directions of links. They are checked again before they can have turned by much
+//! ([`looks`]), and a part of a substep in which the ends of a link move past each other by half a link is divided further.
 //!
 //! [`looks`]: crate::physics::stepping
 
@@ -31,11 +33,11 @@ use super::load::{LinkLoad, Margin, SAFETY};
 use crate::math::{Real, Vector};
 use crate::physics::model::{BodyModel, Scheme};
 
-/// The share of a step of semi-implicit Euler bounded by damping that is taken, whatever families damp: at rest those that do not
-/// hold a body in shape take less, as links may point elsewhere by the next step, and those that do take more.
+/// The share that is taken of a step of semi-implicit Euler bounded by damping, the same for all families. At rest, families
+/// that do not hold a body in shape take less, as links may point elsewhere by the next step, and those that do take more.
 const DAMPING_SAFETY: f64 = 0.8;
 
-/// Into how many parts a substep of `dt_secs` of semi-implicit Euler is divided while a body's links add this much.
+/// Returns into how many parts a substep of `dt_secs` of semi-implicit Euler is divided while a body's links add this load.
 pub(in crate::physics) fn parts(load: LinkLoad, dt_secs: f64) -> u32 {
     let margin = Margin { stiffness: SAFETY, damping: [DAMPING_SAFETY; 3] };
     parts_for(&[load], Scheme::SemiImplicit, dt_secs, margin)
@@ -44,16 +46,16 @@ pub(in crate::physics) fn parts(load: LinkLoad, dt_secs: f64) -> u32 {
 /// A symmetric matrix: xx, yy, zz, yz, zx, xy.
 type Symmetric<R> = [R; 6];
 
-/// The one that changes nothing.
+/// The identity.
 const ONE: Symmetric<f64> = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 
-/// What is summed up at each particle of a body, kept to be filled anew: stiffness, damping.
+/// The sums at each particle of a body, stiffness and damping; kept to be filled anew.
 pub(in crate::physics) type Sums<R> = Vec<[Symmetric<R>; 2]>;
 
-/// What a particle of the largest strained body takes of these in single precision.
+/// Memory for the sums of a particle of the largest strained body in single precision.
 pub(in crate::physics) const BYTES_A_PARTICLE: usize = size_of::<[Symmetric<f32>; 2]>();
 
-/// What the links of a body add at most with its particles at `position` (m).
+/// Returns the most that the links of a body add with its particles at `position` (m).
 pub(in crate::physics) fn load<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], sums: &mut Sums<R>) -> LinkLoad {
     sums.clear();
     sums.resize(position.len(), [[R::ZERO; 6]; 2]);
@@ -67,7 +69,7 @@ pub(in crate::physics) fn load<R: Real>(body: &BodyModel<R>, position: &[R::Vec3
                 let [x, y, z] = (d * (R::ONE / length)).components();
                 ([x * x, y * y, z * z, y * z, z * x, x * y], (R::ONE - R::ONE / length).max(R::ZERO))
             } else {
-                // From one place the ends may go apart whichever way.
+                // Ends in one place may go apart in any direction.
                 (ONE.map(R::from_f64), R::ZERO)
             };
             let per_constant = link.inverse_rest_length * (mobility(ends[0]) + mobility(ends[1]));
@@ -89,9 +91,9 @@ pub(in crate::physics) fn load<R: Real>(body: &BodyModel<R>, position: &[R::Vec3
     LinkLoad { stiffness, damping }
 }
 
-/// No less than the largest eigenvalue of a matrix, and that where the two others are alike: with the mean μ of the three and
-/// the squares s² of their distances from it, none is more than `μ + √(2/3 s²)` (Wolkowicz and Styan, "Bounds for Eigenvalues
-/// Using Traces", 1980, theorem 2.1).
+/// Returns an upper bound of a matrix's largest eigenvalue, exact if the two others are equal. With the mean μ of the three
+/// and the sum s² of the squares of their distances from it, none is above `μ + √(2/3 s²)` (Wolkowicz and Styan, "Bounds for
+/// Eigenvalues Using Traces", 1980, theorem 2.1).
 fn largest_eigenvalue<R: Real>(&[xx, yy, zz, yz, zx, xy]: &Symmetric<R>) -> R {
     let mean = (xx + yy + zz) * R::from_f64(1.0 / 3.0);
     let [a, b, c] = [xx - mean, yy - mean, zz - mean];

@@ -1,16 +1,16 @@
-//! Links under tension: what they add to the stiffness of a body that the stabilised scheme takes.
+//! Links under tension: how much stiffness across links the stabilised scheme bears.
 //!
-//! A link that is stretched by a strain e resists across itself, with its tension over its length, and nothing damps that
-//! but the links around it. In a plane wave with vector q over a lattice whose links are all stretched alike
+//! A link that is stretched by a strain e resists across itself, with its tension over its length, and only the links around
+//! it damp that motion. In a plane wave with vector q over a lattice whose links are all stretched alike
 //!
 //! ```text
 //! K_t(q) = K(q) + t G(q),   G(q) = Σ over half links of k/l0 2 (1 − cos q·δ) (1 − d̂ d̂ᵀ),   t = e/(1 + e)
 //! ```
 //!
-//! Every vibration lies in the scheme's disc of radius R where `(R/dt) C(q) − K_t(q)` is positive semidefinite: with
-//! `M z² + dt C z + dt² K_t` for a unit vector, `|z|² = dt² k` and `2 Re z = −dt c`, and the disc is `|z|² ≤ −2 R Re z`. At
-//! rest this holds as it holds for every family by itself. Stiff links that are held across by weak dampers leave it at a
-//! small strain.
+//! Every vibration lies in the scheme's disc of radius R if `(R/dt) C(q) − K_t(q)` is positive semidefinite:
+//! `M z² + dt C z + dt² K_t` for a unit vector gives `|z|² = dt² k` and `2 Re z = −dt c`, and the disc is
+//! `|z|² ≤ −2 R Re z`. At rest this holds for all families together, as it holds for each alone. Stiff links with only weak
+//! dampers across them leave the disc at a small strain.
 
 use glam::{DMat3, DVec3};
 
@@ -19,18 +19,18 @@ use crate::math::Real;
 use crate::physics::model::{BodyModel, LatticeConstants};
 use crate::physics::schemes::chebyshev::DISC_RADIUS;
 
-/// Steps of a bisection: to a millionth of what is searched.
+/// Steps of a bisection: to a millionth of the range.
 const HALVINGS: usize = 20;
 
-/// Doublings of a rate before there is none that is high enough.
+/// Doublings of a rate after which no rate counts as high enough.
 const DOUBLINGS: usize = 30;
 
-/// What rounding may make of an eigenvalue that is zero, as a share of the stiffnesses and of the dampings at their rate:
-/// so much less of these that the highest rate hides no stiffness.
+/// The largest rounding error of an eigenvalue that is zero, as a share of the stiffnesses and of the dampings times their
+/// rate. The latter is so much smaller that the highest rate hides no stiffness.
 const ROUNDING: [f64; 2] = [1e-9, 1e-14];
 
-/// The largest strain of all links of a body, up to `most`, with which substeps of so many seconds of the stabilised scheme
-/// hold; zero where there is none.
+/// Returns the largest strain of all links of a body, up to `most`, at which substeps of `secs` of the stabilised scheme are
+/// stable; zero if there is none.
 pub(in crate::physics) fn largest_strain<R: Real>(body: &BodyModel<R>, secs: f64, most: f64) -> f64 {
     let waves = lattice_waves();
     let rate = DISC_RADIUS / secs;
@@ -51,8 +51,8 @@ pub(in crate::physics) fn largest_strain<R: Real>(body: &BodyModel<R>, secs: f64
     tension / (1.0 - tension)
 }
 
-/// The longest substeps of the stabilised scheme that hold while all links of a body have a strain, s: zero where none do,
-/// as nothing damps some links across.
+/// Returns the longest stable substep of the stabilised scheme while all links of a body have a strain, s; zero if there is
+/// none, as nothing damps across some links.
 pub(in crate::physics) fn longest_secs<R: Real>(body: &BodyModel<R>, strain: f64) -> f64 {
     let waves = lattice_waves();
     let tension = strain / (1.0 + strain);
@@ -95,15 +95,15 @@ impl LatticeConstants {
         rounding <= 0.0 || is_positive(DMat3::from_diagonal(DVec3::splat(rounding)) - lacks)
     }
 
-    /// A rate of about what its links have, 1/s.
+    /// Returns a typical ratio of stiffness to damping of the links, 1/s.
     fn rate(&self) -> f64 {
         let [stiffness, damping] = [self.stiffness, self.damping].map(|of| of.iter().sum::<f64>());
         if damping > 0.0 && stiffness > 0.0 { stiffness / damping } else { 1.0 }
     }
 }
 
-/// Whether a symmetric matrix is positive definite: by its pivots, which rounding leaves right where its entries are far
-/// apart.
+/// Whether a symmetric matrix is positive definite, by its pivots: rounding leaves their signs right even if its entries are
+/// of very different sizes.
 fn is_positive(a: DMat3) -> bool {
     let [x, y, z] = [a.x_axis, a.y_axis, a.z_axis];
     if x.x <= 0.0 {
@@ -135,7 +135,7 @@ mod tests {
         Material::Springs(Springs { structural, shear, bending, particle_mass: 0.01 })
     }
 
-    /// A cube of this material in steps of so many seconds of the stabilised scheme, all of its outside held.
+    /// Returns a cube of this material in steps of `dt` seconds of the stabilised scheme, all of its outside held.
     fn held(material: Material, dt: f64) -> Simulation<f64> {
         let mut scene = Scene { bodies: vec![Body::default()], ..Scene::default() };
         scene.obstacles.clear();
@@ -157,7 +157,8 @@ mod tests {
         Simulation::new(&scene, &[lattice])
     }
 
-    /// How many times as fast its particles move after a while as at the start, where all its links are stretched alike.
+    /// Returns how many times as fast the particles move after a while as at the start, if all links are stretched alike at
+    /// first.
     fn growth(mut simulation: Simulation<f64>, strain: f64) -> f64 {
         let mut state = simulation.state().clone();
         let middle = state.position.iter().sum::<DVec3>() / state.position.len() as f64;

@@ -1,4 +1,4 @@
-//! What the links and particles of a body have from its cells.
+//! How the constants of a body's links and particles follow from its cells.
 
 use std::sync::Arc;
 
@@ -12,26 +12,25 @@ use crate::physics::limits::particles::ParticleLoads;
 pub(in crate::physics) enum Composition {
     /// Every link of a family is alike, and every particle weighs alike.
     Alike,
-    /// Of cells of solids, which share out links and masses.
+    /// Cells of solids: each gives a share to its links and particles.
     Solids {
-        /// The body's own, whether it occurs or not, and the others that occur.
+        /// The body's own kind, even if no cell is of it, and the other kinds that occur.
         kinds: Vec<CellKind>,
-        /// The largest load of its cells together over that of one of them alone, at most 1: below it only where all cells
-        /// are of one kind and not too many.
+        /// The largest load of the cells together over that of a single cell, at most 1; less only where all cells are of
+        /// one kind and not too many.
         load_share: f64,
     },
-    /// Of cells of several springs, of which links and particles have the mean.
+    /// Cells of several springs: links and particles have the mean over their cells.
     Springs {
-        /// What limits the step.
+        /// The loads that limit the step.
         loads: Arc<ParticleLoads>,
-        /// Of which material each kind of cells is: 0 of the body's own, then of its parts and of its inlays, as they follow one
-        /// another.
+        /// The number of each kind's material: 0 for the body's own, then its parts, then its inlays, in their order.
         numbers: Vec<u8>,
     },
 }
 
 impl Composition {
-    /// The largest load of its cells together over that of one of them alone, at most 1.
+    /// The largest load of the cells together over that of a single cell, at most 1.
     pub(in crate::physics) fn load_share(&self) -> f64 {
         match self {
             Self::Solids { load_share, .. } => *load_share,
@@ -39,7 +38,7 @@ impl Composition {
         }
     }
 
-    /// The kinds of its cells, the body's own first, whether it occurs or not; none where all is alike.
+    /// The kinds of its cells, the body's own first, even if no cell is of it; empty where all is alike.
     pub(in crate::physics) fn kinds(&self) -> &[CellKind] {
         match self {
             Self::Alike => &[],
@@ -49,7 +48,7 @@ impl Composition {
     }
 }
 
-/// The constants of links by family in an endless lattice of alike cells; 0 of a family of which the body has no links.
+/// The constants of links by family in an endless lattice of alike cells; 0 for a family without links.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct LatticeConstants {
     /// Force at 100 % strain, N.

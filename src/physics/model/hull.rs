@@ -1,22 +1,22 @@
-//! What a body shows to others: the particles on its outside, and for every cell how far it is from there to the outside.
+//! The hull of a body: the particles on its outside, and for every cell the distance from there to the outside.
 //!
 //! ```text
 //!            +y: 1 cell                     +───+───+───+
 //!             ▲                             │   │   │   │
-//!   -x: 0  ◄──■──►  +x: 2 cells             +───+───+───+    the ways out of ■ lead through as many more
-//!             ▼                             │ ■ │   │   │    cells of the body
+//!   -x: 0  ◄──■──►  +x: 2 cells             +───+───+───+    the numbers of further cells of the body
+//!             ▼                             │ ■ │   │   │    from ■ to the outside, along each axis
 //!            -y: 0                          +───+───+───+
 //! ```
 //!
-//! This is the distance field of the body at rest: within a body made of cubes the nearest place outside lies along an axis,
-//! but at the edge of a notch, where it is a little nearer. It follows from the lattice alone.
+//! This is the distance field of the body at rest: inside a body made of cubes the nearest point outside lies along an axis,
+//! except at the edge of a notch, where it is a little nearer. It follows from the lattice alone.
 
 use crate::geometry::Lattice;
 
-/// No cell.
+/// Marks a particle that is not on the outside.
 const NONE: u32 = u32::MAX;
 
-/// Points of a body come no deeper into it than through so many of its cells.
+/// Points penetrate a body no deeper than to cells with this many others between them and the outside.
 const DEEPEST: u32 = 1;
 
 /// The outside of a body and the ways there, by local numbers.
@@ -27,16 +27,16 @@ pub(in crate::physics) struct Hull {
     /// Where the cells around each of them begin in `around`, and where they end.
     starts: Vec<u32>,
     around: Vec<u32>,
-    /// What is about each of the points.
+    /// The cells about each of the points.
     pub(in crate::physics) surroundings: Vec<Surroundings>,
-    /// For every cell how many cells of the body follow it towards −x, +x, −y, +y, −z and +z.
+    /// For every cell, how many cells of the body follow it without a gap towards −x, +x, −y, +y, −z and +z.
     pub(in crate::physics) ways: Vec<[u32; 6]>,
     /// Cells that have no more than [`DEEPEST`] others between them and the outside along the shortest way, ascending.
     pub(in crate::physics) outer: Vec<u32>,
 }
 
 impl Hull {
-    /// That of a lattice.
+    /// The hull of a lattice.
     pub(in crate::physics) fn new(lattice: &Lattice) -> Self {
         let mut met = vec![0_u8; lattice.corners.len()];
         for particle in lattice.cells.iter().flatten() {
@@ -75,8 +75,8 @@ impl Hull {
     }
 }
 
-/// What is about a point of a hull: its corner in the grid, and which of the 4 × 4 × 4 cells about it touch one of which it is
-/// a corner, or are one; a bit each, x fastest.
+/// The cells about a point of a hull: the point's corner in the grid, and a bit (x fastest) for each of the 4 × 4 × 4 cells
+/// about it that says whether the cell has the point as a corner or touches one that has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::physics) struct Surroundings {
     corner: [u32; 3],
@@ -84,18 +84,18 @@ pub(in crate::physics) struct Surroundings {
 }
 
 impl Surroundings {
-    /// That of a particle with these cells around it.
+    /// The surroundings of a particle with these cells around it.
     fn of(lattice: &Lattice, particle: u32, around: &[u32]) -> Self {
         let corner = lattice.corners[particle as usize];
         let touching = around.iter().flat_map(|cell| {
-            // Of a cell of which it is a corner the lowest place in the block is 0 or 1.
+            // The 3 × 3 × 3 cells about one that has the point as a corner begin at 0 or 1 in the block.
             let first: [u32; 3] = std::array::from_fn(|axis| lattice.low(*cell)[axis] + 1 - corner[axis]);
             (0..27).map(move |number| [first[0] + number % 3, first[1] + number / 3 % 3, first[2] + number / 9])
         });
         Self { corner, touching: touching.fold(0, |mask, place| mask | 1 << Self::bit(place)) }
     }
 
-    /// Whether the cell with this lowest corner touches one around the point, or is one.
+    /// Whether the cell with this lowest corner is one of the cells around the point or touches one.
     #[inline]
     pub(in crate::physics) fn touch(&self, low: [u32; 3]) -> bool {
         let place: [u32; 3] = std::array::from_fn(|axis| (low[axis] + 2).wrapping_sub(self.corner[axis]));
@@ -125,7 +125,7 @@ fn ways(lattice: &Lattice) -> Vec<[u32; 6]> {
             ways[cell][way] = ways[beyond as usize][way] + 1;
         }
     };
-    // Cells are in the order of the grid: what lies before one along any axis comes before it.
+    // Cells are in the order of the grid: a cell that is lower along an axis comes first.
     for axis in 0..3 {
         (0..lattice.cells.len()).for_each(|cell| follow(&mut ways, cell, axis, false));
         (0..lattice.cells.len()).rev().for_each(|cell| follow(&mut ways, cell, axis, true));

@@ -1,8 +1,8 @@
-//! How a free body resists being moved and turned as a rigid one, about the principal axes of its rest.
+//! Mass and moments of inertia of a free body in its rest shape, about its principal axes.
 
 use glam::{DMat3, DVec3};
 
-/// How a body resists being moved and turned while it keeps its shape of rest.
+/// Mass and moments of inertia of a body in its rest shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inertia {
     /// kg.
@@ -18,7 +18,7 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// That of particles of these masses (kg) at these places in the body's coordinates (m).
+    /// The inertia of particles with these masses (kg) at these places in the body's coordinates (m).
     pub(in crate::physics) fn new(particles: impl Iterator<Item = (f64, DVec3)> + Clone) -> Self {
         let sums =
             particles.clone().fold((0.0, DVec3::ZERO), |(sum, first), (mass, at)| (sum + mass, first + at * mass));
@@ -33,13 +33,13 @@ impl Inertia {
         Self { mass, center, axes, moments: DVec3::splat(squares.element_sum()) - squares, radius }
     }
 
-    /// How fast it spins with an angular momentum (kg m²/s), 1/s; both in the body's coordinates.
+    /// The angular velocity for an angular momentum (kg m²/s), 1/s; both in the body's coordinates.
     pub(in crate::physics) fn spin(&self, momentum: DVec3) -> DVec3 {
         self.axes * (self.axes.transpose() * momentum / self.moments)
     }
 
-    /// How an impulse at a point, which is there from the centre of mass (m, in the body's coordinates), moves and turns the
-    /// body: six motions, each of which has the kinetic energy of half the square of its rate, as a mode has, 1/√kg.
+    /// How the six rigid motions respond to an impulse at a point (m from the centre of mass, in the body's coordinates),
+    /// 1/√kg. The kinetic energy of each motion is half the square of its rate, as with modes.
     pub(in crate::physics) fn row(&self, at: DVec3, to: &mut [DVec3]) {
         let along = 1.0 / self.mass.sqrt();
         let about = |axis: usize| self.axes.col(axis).cross(at) / self.moments[axis].sqrt();
@@ -48,8 +48,8 @@ impl Inertia {
     }
 }
 
-/// The eigenvalues of a symmetric matrix and unit vectors along its axes, right-handed: by cyclic Jacobi rotations (Golub and
-/// Van Loan, *Matrix Computations*, §8.5).
+/// The eigenvalues and right-handed unit eigenvectors of a symmetric matrix, by cyclic Jacobi rotations (Golub and Van Loan,
+/// *Matrix Computations*, §8.5).
 fn principal(matrix: DMat3) -> (DVec3, DMat3) {
     const SWEEPS: usize = 32;
     let (mut a, mut axes) = (matrix, DMat3::IDENTITY);

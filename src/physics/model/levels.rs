@@ -1,25 +1,27 @@
-//! How stiff the cells of a model are beside a full one: in steps, so that the links of a body are of few classes.
+//! The stiffness of partly filled cells over that of a full one: in steps, so that the links of a body fall into few
+//! classes.
 
 use crate::geometry::Lattice;
 
-/// Steps of the least full cell of a body, at least.
+/// The fewest steps in the least full cell of a body.
 const OF_THE_LEAST: f64 = 64.0;
 
-/// The stiffness of every cell over that of a full one: what is in it over its volume, in whole steps, rounded down. A cell
-/// is then no stiffer for its mass than a full one, and bears the same steps in time.
+/// The stiffness of every cell over that of a full one: its filled share, rounded down to whole steps. A cell is then no
+/// stiffer for its mass than a full one, and is stable with the same time steps.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::physics) struct Levels {
-    /// In steps, at least one.
+    /// The stiffness of each cell in steps, at least one.
     pub(in crate::physics) of_cell: Vec<u16>,
-    /// A step.
+    /// The size of a step.
     pub(in crate::physics) step: f64,
 }
 
 impl Levels {
-    /// Those of a lattice; none where all cells are full.
+    /// The levels of a lattice; none where all cells are full.
     pub(in crate::physics) fn of(lattice: &Lattice) -> Option<Self> {
         let shares = lattice.shares.as_ref()?;
-        // Most cells of a thick body are full, or nearly, and all to the same share: of that nothing is to be lost.
+        // Most cells of a thick body are full, or nearly, and all to the same share: this share is a whole number of steps,
+        // so that rounding takes nothing from it.
         let middle = shares.len() / 2;
         let usual = *shares.clone().select_nth_unstable_by(middle, f64::total_cmp).1;
         let step = usual / libm::ceil(OF_THE_LEAST * usual / least_share(lattice));
@@ -34,7 +36,7 @@ impl Levels {
     }
 }
 
-/// What is in the least full cell over its volume.
+/// The filled share of the least full cell.
 pub(in crate::physics) fn least_share(lattice: &Lattice) -> f64 {
     lattice.shares.as_ref().map_or(1.0, |shares| shares.iter().copied().fold(f64::INFINITY, f64::min))
 }

@@ -67,17 +67,17 @@ impl<R: Real> Model<R> {
         self.obstacles.iter().filter(|obstacle| matches!(obstacle.shape, ObstacleShape::Mesh(_))).count()
     }
 
-    /// Points of the meshes of all bodies that are to meet obstacles in place of their particles.
+    /// Points of the meshes of all bodies that meet obstacles in place of particles.
     pub fn sample_count(&self) -> usize {
         self.bodies.iter().map(BodyModel::sample_count).sum()
     }
 
-    /// The most points that there is room for to be remembered in contact.
+    /// The most touches of points with obstacles that can be remembered.
     pub(in crate::physics) fn points_in_contact(&self) -> usize {
         self.bodies.iter().map(|body| self.points_in_contact_of(body)).sum()
     }
 
-    /// The same of one body: every point with so many obstacles as meet in a corner.
+    /// The same of one body: every point may touch as many obstacles as meet in a corner.
     pub(in crate::physics) fn points_in_contact_of(&self, body: &BodyModel<R>) -> usize {
         const CORNER: usize = 3;
         body.remembered_points() * self.obstacles.len().min(CORNER)
@@ -93,7 +93,7 @@ impl<R: Real> Model<R> {
         self.bodies.last().map_or(0, |body| body.particles.end)
     }
 
-    /// The body that a particle (in the state's arrays) is of.
+    /// The body that a particle (in the state's arrays) belongs to.
     pub fn body_of(&self, particle: usize) -> Option<usize> {
         self.bodies.iter().position(|body| body.particles.contains(&particle))
     }
@@ -117,7 +117,7 @@ pub struct BodyModel<R: Real> {
     pub particle_mass: R,
     /// Masses of the particles, kg.
     pub(in crate::physics) masses: Values<R>,
-    /// What its links and particles have from its cells.
+    /// How the constants of its links and particles follow from its cells.
     pub(in crate::physics) composition: Composition,
     /// Young's modulus of its cells, Pa; of springs, that of the solid whose diagonal links are as stiff.
     pub(in crate::physics) moduli: Values<f32>,
@@ -127,8 +127,7 @@ pub struct BodyModel<R: Real> {
     pub links: [LinkFamily<R>; 3],
     /// The same links in the box of the body's grid corners; none where it is mostly empty.
     pub(in crate::physics) boxed_links: Option<BoxedLinks<R>>,
-    /// How crowded with links its particles are: for every different one the sums of their inverse rest lengths by
-    /// family, 1/m.
+    /// The sums of the inverse rest lengths of a particle's links by family, 1/m; each combination that occurs once.
     pub(in crate::physics) crowds: Arc<[[f64; 3]]>,
     /// What it was built from: cells and corners, for diagnostics and pictures.
     pub lattice: Arc<Lattice>,
@@ -142,9 +141,10 @@ pub struct BodyModel<R: Real> {
     pub contacts: Vec<ContactModel<R>>,
     /// How it meets other bodies and itself.
     pub(in crate::physics) among_bodies: AmongBodies,
-    /// What leads it where it moves by its modes.
+    /// Its modes, where it is a modal body.
     pub(in crate::physics) modal: Option<ModalBody>,
-    /// Points of its mesh that meet obstacles in place of its particles; none where these are to, or there is no mesh.
+    /// Points of its mesh that meet obstacles in place of its particles; none where the particles meet them, or there is no
+    /// mesh.
     pub(in crate::physics) samples: Option<Arc<Samples>>,
 }
 
@@ -153,13 +153,13 @@ pub struct BodyModel<R: Real> {
 pub(in crate::physics) struct AmongBodies {
     pub(in crate::physics) meets_others: bool,
     pub(in crate::physics) meets_itself: bool,
-    /// What it shows to them, once something comes near.
+    /// Its hull, made once something comes near.
     pub(in crate::physics) hull: Arc<OnceLock<Hull>>,
     /// Coulomb's coefficients, at rest and sliding; of two bodies their geometric means count.
     pub(in crate::physics) friction: [f64; 2],
     /// Mass of its heaviest particle, kg.
     pub(in crate::physics) heaviest: f64,
-    /// What one particle on its outside may have to carry of its weight at rest, N.
+    /// The part of its weight that one outer particle may have to carry at rest, N.
     pub(in crate::physics) load: f64,
 }
 
@@ -199,12 +199,12 @@ impl<R: Real> BodyModel<R> {
         self.modal.as_ref().map(|modal| &modal.modes)
     }
 
-    /// How it moves and turns as a whole where it moves by its modes and nothing holds it.
+    /// Its mass and moments of inertia, where it is a free modal body.
     pub fn inertia(&self) -> Option<&Inertia> {
         self.modal.as_ref()?.rigid.as_ref()
     }
 
-    /// How many points of it are remembered where they touch: those of its mesh in place of its particles, and those of a free
+    /// How many points have their touches remembered: points of its mesh that stand for its particles, or those of a free
     /// modal body.
     pub(in crate::physics) fn remembered_points(&self) -> usize {
         let free = self.modal.as_ref().filter(|modal| modal.rigid.is_some());
@@ -234,18 +234,18 @@ impl<R: Real> BodyModel<R> {
         self.among_bodies.meets_itself
     }
 
-    /// How many points of its mesh are to meet obstacles in place of its particles.
+    /// How many points of its mesh meet obstacles in place of its particles.
     pub fn sample_count(&self) -> usize {
         self.samples.as_ref().map_or(0, |samples| samples.count())
     }
 
-    /// The points of its mesh that meet other bodies; none where the body meets them with its cells. One that moves by its modes
-    /// shows its particles.
+    /// The points of its mesh that meet other bodies; none where the body meets them with its cells. A modal body meets them
+    /// with its particles.
     pub(in crate::physics) fn samples_among_bodies(&self) -> Option<&Samples> {
         self.samples.as_deref().filter(|_| self.modal.is_none())
     }
 
-    /// What it shows to others and itself.
+    /// Its hull, for contact with others and itself.
     pub(in crate::physics) fn hull(&self) -> &Hull {
         self.among_bodies.hull.get_or_init(|| Hull::new(&self.lattice))
     }
@@ -257,7 +257,7 @@ impl<R: Real> BodyModel<R> {
     }
 }
 
-/// A value that all have alike, or one each.
+/// One value for all elements, or one for each.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values<T> {
     /// All the same.
@@ -277,19 +277,19 @@ impl<T: Copy> Values<T> {
     }
 }
 
-/// How the cells of a body resist inversion, in substeps of one length whatever parts these are taken in: parts could
-/// bear more, but a stiffness that changes from one to the next gives energy.
+/// How the cells of a body resist inversion. The constants are the same in whatever parts a substep is taken: shorter parts
+/// could bear more, but a stiffness that changes from one part to the next gives energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecoveryModel<R> {
     /// The stiffness of a cell against inversion, N·m; zero where recovery is off.
     pub stiffness: R,
-    /// The mass that a particle of the lightest cell has against that push, kg.
+    /// The mass with which a particle of the lightest cell resists the push, kg.
     pub mass: R,
-    /// The stiffness of the push, N·m: as much of it as a substep bears.
+    /// The stiffness of the push, N·m: as much of `stiffness` as a substep bears.
     pub(in crate::physics) push: R,
     /// The stiffness of the pull on the cells of a body that is stuck, N·m: as much as a substep bears beside the push.
     pub(in crate::physics) pull: R,
-    /// For how long soft links flow in a substep, s; not at all where they are part of the equations that are solved.
+    /// For how long soft links flow in a substep, s; zero where recovery is part of the equations that are solved.
     pub(in crate::physics) flow_secs: R,
 }
 

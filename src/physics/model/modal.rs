@@ -5,23 +5,24 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-/// The modes of a body, ready to be moved by.
+/// The modes of a body: frequencies, damping and shapes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModalModel {
     /// Angular frequency and damping of every mode, 1/s.
     rates: Vec<[f64; 2]>,
-    /// By particle and mode, 1/√kg, in the body's coordinates: what a particle moves by is a row of these with the
-    /// amplitudes.
+    /// Mode shapes by particle and mode, 1/√kg, in the body's coordinates: the displacement of a particle is its row of
+    /// these times the amplitudes.
     shapes: Vec<[f32; 3]>,
-    /// What a uniform acceleration along each axis of the body does to every mode, √kg.
+    /// The force on every mode under a unit acceleration along each axis of the body, √kg.
     loads: Vec<DVec3>,
     particles: usize,
     frequencies_hz: Arc<[f64]>,
 }
 
 impl ModalModel {
-    /// Modes of a body whose particles have these masses (kg): the angular frequency and the damping of each (1/s), and by
-    /// particle and mode how an amplitude of 1 moves the particle, 1/√kg, in the body's coordinates; orthonormal by mass.
+    /// The modes of a body whose particles have these `masses` (kg). `rates` are the angular frequency and the damping of
+    /// each mode (1/s), `shapes` by particle and mode the displacement for an amplitude of 1, 1/√kg, in the body's
+    /// coordinates; orthonormal by mass.
     ///
     /// # Panics
     /// If there are not as many shapes as particles times modes.
@@ -48,7 +49,7 @@ impl ModalModel {
         self.particles
     }
 
-    /// How often each would swing in a second without damping, Hz.
+    /// The frequency of each mode without damping, Hz.
     pub fn frequencies_hz(&self) -> &Arc<[f64]> {
         &self.frequencies_hz
     }
@@ -58,12 +59,12 @@ impl ModalModel {
         &self.rates
     }
 
-    /// By particle and mode, 1/√kg, in the body's coordinates.
+    /// Mode shapes by particle and mode, 1/√kg, in the body's coordinates.
     pub fn shapes(&self) -> &[[f32; 3]] {
         &self.shapes
     }
 
-    /// What a uniform acceleration does to a mode, √kg.
+    /// The force on a mode under a unit acceleration along each axis of the body, √kg.
     pub(in crate::physics) fn load(&self, mode: usize) -> DVec3 {
         self.loads[mode]
     }

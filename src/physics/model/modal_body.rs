@@ -1,4 +1,4 @@
-//! What moves a modal body: one that moves by its modes.
+//! The constants of a modal body: a body that moves by its modes.
 
 use std::sync::Arc;
 
@@ -9,18 +9,18 @@ use super::modal::ModalModel;
 use super::modal_points::ModalPoints;
 use crate::math::Aabb;
 
-/// What moves a modal body.
+/// The constants of a modal body.
 #[derive(Clone, Debug)]
 pub(in crate::physics) struct ModalBody {
     /// Its modes.
     pub(in crate::physics) modes: Arc<ModalModel>,
-    /// Around its particles at rest, in its coordinates, m.
+    /// The box around its particles at rest, in its coordinates, m.
     pub(in crate::physics) bounds: Aabb<f64>,
-    /// The farthest that any of its particles is moved by an amplitude of 1 of each mode, 1/√kg.
+    /// For each mode the largest displacement of a particle for an amplitude of 1, 1/√kg.
     pub(in crate::physics) farthest: Arc<[f64]>,
-    /// What of it meets obstacles.
+    /// The points that meet obstacles.
     pub(in crate::physics) points: Arc<ModalPoints>,
-    /// How it moves and turns as a whole where nothing holds it; none of a body that is held.
+    /// Mass and inertia of a free body; none where the body is held.
     pub(in crate::physics) rigid: Option<Inertia>,
     /// From the body's coordinates to the scene's, as it starts.
     pub(in crate::physics) turn: DMat3,
@@ -29,7 +29,7 @@ pub(in crate::physics) struct ModalBody {
 }
 
 impl ModalBody {
-    /// No particle swings farther, or faster, by modes of these amplitudes, or rates.
+    /// A bound on the displacement, or speed, of every particle for these amplitudes, or rates, of the modes.
     pub(in crate::physics) fn swing(&self, of: impl Iterator<Item = f64>) -> f64 {
         of.zip(&*self.farthest).map(|(q, farthest)| q.abs() * farthest).sum()
     }

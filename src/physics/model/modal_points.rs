@@ -1,11 +1,11 @@
-//! What of a modal body meets obstacles: the particles of its hull, or points of its mesh, in a tree of boxes
-//! that move and grow with the amplitudes alone (D. James, D. Pai, "BD-tree: output-sensitive collision detection for reduced
+//! The points of a modal body that meet obstacles: particles of its hull, or points of its mesh, in a tree of bounding boxes
+//! that follow from the amplitudes alone (D. James, D. Pai, "BD-tree: output-sensitive collision detection for reduced
 //! deformable models", SIGGRAPH 2004).
 //!
 //! ```text
-//!   ┌───────────┐      each way that a mode moves points of a box is between a least and a most, so that all of them are
-//!   │ ∙ ┌─────┐ │      within  [min + Σ qᵢ least, max + Σ qᵢ most]  (the two exchanged where qᵢ < 0):
-//!   │   │ ∙ ∙ │ │      what does not reach an obstacle is left out with all that it holds, however many points these are
+//!   ┌───────────┐      a mode displaces the points of a box by between a least and a most, so that all points are within
+//!   │ ∙ ┌─────┐ │      [min + Σ qᵢ least, max + Σ qᵢ most]  (the two exchanged where qᵢ < 0):
+//!   │   │ ∙ ∙ │ │      a box that does not reach an obstacle is left out with all of its points, however many these are
 //!   └───┴─────┴─┘
 //! ```
 
@@ -20,7 +20,7 @@ use super::samples::Samples;
 use crate::geometry::Lattice;
 use crate::math::Aabb;
 
-/// Points in a box that is not divided any more.
+/// The most points in a box that is not divided further.
 const LEAF: usize = 8;
 
 /// What carries the points.
@@ -38,20 +38,20 @@ pub(in crate::physics) struct ModalPoints {
     carriers: Carriers,
     /// Where each is at rest, m.
     rest: Vec<DVec3>,
-    /// The points box after box.
+    /// The points in the order of the tree, box after box.
     order: Vec<u32>,
-    /// Where each is in that order.
+    /// The place of each point in that order.
     places: Vec<u32>,
-    /// The whole first, every box before those within it.
+    /// The box around all points first, every box before the boxes within it.
     boxes: Vec<PointBox>,
-    /// By box and mode.
+    /// Ranges of displacements by box and mode.
     ways: Vec<Way>,
-    /// The farthest that any point is moved by an amplitude of 1 of each mode, 1/√kg.
+    /// For each mode the largest displacement of a point for an amplitude of 1, 1/√kg.
     farthest: Vec<f64>,
     modes: usize,
 }
 
-/// Between what an amplitude of 1 moves all points of a box, along each axis, 1/√kg.
+/// The range of the displacements of a box's points for an amplitude of 1, along each axis, 1/√kg.
 #[derive(Clone, Copy, Debug)]
 struct Way {
     least: [f32; 3],
@@ -61,17 +61,17 @@ struct Way {
 /// Points that are near each other.
 #[derive(Clone, Debug)]
 struct PointBox {
-    /// Around them at rest, m.
+    /// The box around them at rest, m.
     bounds: Aabb<f64>,
     /// Places in the order.
     points: Range<usize>,
-    /// The second of the two boxes within it, whose first follows it; none where it is not divided.
+    /// The second of the two boxes within it; the first comes directly after this box. None where it is not divided.
     second: Option<usize>,
 }
 
 impl ModalPoints {
-    /// The points of a lattice with these modes: of its mesh where there are `samples`, else of its hull; all of them where the
-    /// body is free, else those that any mode moves.
+    /// The points of a lattice with these modes: of its mesh where there are `samples`, otherwise of its hull. A held body
+    /// has only the points that a mode moves, a free body all of them.
     pub(in crate::physics) fn new(
         lattice: &Lattice,
         modes: &ModalModel,
@@ -117,7 +117,7 @@ impl ModalPoints {
         points
     }
 
-    /// Makes the box of some points, which begin at a place of the order, and those within it.
+    /// Makes the box of some points and the boxes within it. `first` is the place of the first point in the order.
     fn divide(&mut self, first: usize, order: &mut [u32]) {
         let bounds = Aabb::<f64>::around(order.iter().map(|point| self.rest[*point as usize]));
         let number = self.boxes.len();
@@ -139,12 +139,12 @@ impl ModalPoints {
         self.divide(first + middle, high);
     }
 
-    /// Finds between what modes move the points of all boxes.
+    /// Finds the ranges of displacements of all boxes.
     fn find_ways(&mut self, modes: &ModalModel) {
         let none = Way { least: [f32::INFINITY; 3], most: [f32::NEG_INFINITY; 3] };
         self.ways = vec![none; self.boxes.len() * self.modes];
         let mut row = vec![DVec3::ZERO; self.modes];
-        // Those within a box come after it.
+        // Boxes within a box come after it.
         for number in (0..self.boxes.len()).rev() {
             let mut ways = vec![none; self.modes];
             if let Some(second) = self.boxes[number].second {
@@ -164,17 +164,17 @@ impl ModalPoints {
         }
     }
 
-    /// How many there are that move.
+    /// How many points are in the tree.
     pub(in crate::physics) fn count(&self) -> usize {
         self.order.len()
     }
 
-    /// Whether they are those of the body's mesh.
+    /// Whether the points are those of the body's mesh.
     pub(in crate::physics) fn is_on_mesh(&self) -> bool {
         matches!(self.carriers, Carriers::Samples(_))
     }
 
-    /// The particles that are its points, by point; none where these are those of its mesh.
+    /// The particle of each point; empty where the points are those of the mesh.
     pub(in crate::physics) fn particles(&self) -> &[u32] {
         match &self.carriers {
             Carriers::Particles(particles) => particles,
@@ -182,12 +182,12 @@ impl ModalPoints {
         }
     }
 
-    /// The farthest that any point is moved by an amplitude of 1 of a mode, 1/√kg.
+    /// The largest displacement of a point for an amplitude of 1 of a mode, 1/√kg.
     pub(in crate::physics) fn farthest(&self, mode: usize) -> f64 {
         self.farthest[mode]
     }
 
-    /// Where a point is in the order in which those that are near each other mostly follow each other.
+    /// The place of a point in the order of the tree, in which neighbours mostly follow each other.
     pub(in crate::physics) fn place(&self, point: usize) -> usize {
         self.places[point] as usize
     }
@@ -207,7 +207,7 @@ impl ModalPoints {
         });
     }
 
-    /// Calls with every particle that carries a point and its weight.
+    /// Calls `with` for every particle that carries a point, with its weight.
     fn carried(&self, point: usize, mut with: impl FnMut(usize, f64)) {
         match &self.carriers {
             Carriers::Particles(particles) => with(particles[point] as usize, 1.0),
@@ -218,8 +218,8 @@ impl ModalPoints {
         }
     }
 
-    /// Calls with every point whose box may be where `is_near` says, which is given what is around the points of the box at
-    /// these amplitudes of the modes and those, m. Tells how many boxes were looked at.
+    /// Calls `with` for every point in a box for which `is_near` holds. `is_near` gets the box (m) that holds the points at
+    /// both sets of amplitudes. Returns how many boxes were looked at.
     pub(in crate::physics) fn near(
         &self,
         amplitudes: [&[f64]; 2],
@@ -239,7 +239,7 @@ impl ModalPoints {
         looks
     }
 
-    /// What is around the points of a box at these amplitudes, m.
+    /// The box around the points of a box at these amplitudes, m.
     fn around(&self, number: usize, amplitudes: &[f64]) -> Aabb<f64> {
         let mut around = self.boxes[number].bounds;
         for (Way { least, most }, q) in self.ways_of(number).iter().zip(amplitudes) {
@@ -250,7 +250,7 @@ impl ModalPoints {
         around
     }
 
-    /// The box that comes after all within this one.
+    /// The box that comes after all boxes within this one.
     fn after(&self, mut number: usize) -> usize {
         while let Some(second) = self.boxes[number].second {
             number = second;
@@ -264,14 +264,14 @@ impl ModalPoints {
 }
 
 impl Way {
-    /// That of one point, rounded outwards.
+    /// The range of one displacement, rounded outwards.
     #[expect(clippy::cast_possible_truncation, reason = "it is rounded outwards")]
     fn of(way: DVec3) -> Self {
         let single = way.to_array().map(|part| part as f32);
         Self { least: single.map(f32::next_down), most: single.map(f32::next_up) }
     }
 
-    /// Those of both.
+    /// The range that holds both.
     fn with(self, other: Self) -> Self {
         Self {
             least: std::array::from_fn(|axis| self.least[axis].min(other.least[axis])),

@@ -12,9 +12,9 @@ use crate::math::{Aabb, Real, RigidMotion, Vector};
 pub struct ObstacleModel<R: Real> {
     /// Form and place.
     pub shape: ObstacleShape<R>,
-    /// The box around it and, while it moves, its way, m.
+    /// The box around it and, where it moves, around its whole path, m.
     pub bounds: Aabb<R>,
-    /// How it moves by itself about where `shape` has it at the beginning of time.
+    /// Its own motion, relative to its place in `shape` at time zero.
     pub motion: Option<RigidMotion>,
     /// How it moves within the coming substep; none where it stands still.
     pub(in crate::physics) carry: Option<Carry<R>>,
@@ -73,7 +73,7 @@ impl<R: Real> ObstacleShape<R> {
         }
     }
 
-    /// Which of the state's rows of sides belongs to it; none of what has an inside.
+    /// Its row of the state's sides; none where it has an inside.
     #[inline]
     pub(in crate::physics) fn side_row(&self) -> Option<usize> {
         match self {
@@ -95,7 +95,7 @@ pub struct PlaneModel<R: Real> {
     pub(in crate::physics) half_extents: [R; 2],
     /// Unit normal.
     pub(in crate::physics) normal: R::Vec3,
-    /// Which of the state's rows of sides belongs to this plane.
+    /// Its row of the state's sides.
     pub(in crate::physics) side_row: usize,
 }
 
@@ -110,7 +110,7 @@ pub struct MeshModel<R: Real> {
     pub(in crate::physics) length: f64,
     /// The surface about the origin, over its length.
     pub(in crate::physics) surface: Arc<Surface>,
-    /// Which of the state's rows of sides belongs to it; none of a closed mesh.
+    /// Its row of the state's sides; none of a closed mesh.
     pub(in crate::physics) side_row: Option<usize>,
     /// Its place among the meshes.
     pub(in crate::physics) place: usize,
@@ -132,14 +132,14 @@ impl<R: Real> MeshModel<R> {
         self.own_way((point - self.center).to_dvec3())
     }
 
-    /// A way (m) in its own axes and unit.
+    /// A displacement (m) in its own axes and unit.
     #[inline]
     pub(in crate::physics) fn own_way(&self, way: DVec3) -> DVec3 {
         let [x, y, z] = self.axes.map(|axis| way.dot(axis.to_dvec3()));
         DVec3::new(x, y, z) / self.length
     }
 
-    /// A direction in its own axes as the scene has it.
+    /// Turns a direction from its own axes into the scene's.
     #[inline]
     pub(in crate::physics) fn in_scene(&self, own: DVec3) -> DVec3 {
         let [x, y, z] = self.axes.map(Vector::to_dvec3);
@@ -154,11 +154,11 @@ pub struct OrientedModel<R: Real> {
     pub(in crate::physics) center: R::Vec3,
     /// Unit vectors along its own x, y and z.
     pub(in crate::physics) axes: [R::Vec3; 3],
-    /// What it is in those axes.
+    /// Its form in those axes.
     pub(in crate::physics) form: OrientedForm<R>,
 }
 
-/// A closed form about the origin, as it stands unturned.
+/// A closed form about the origin, unturned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OrientedForm<R> {
     /// A box.
@@ -168,7 +168,7 @@ pub enum OrientedForm<R> {
     },
     /// A cylinder about y that ends in half balls.
     Capsule {
-        /// Of the cylinder and the balls, m.
+        /// The radius of the cylinder and the balls, m.
         radius: R,
         /// Half the length of the cylinder, without the balls, m.
         half_height: R,
@@ -183,14 +183,14 @@ pub enum OrientedForm<R> {
 }
 
 impl<R: Real> OrientedModel<R> {
-    /// A direction in its own axes.
+    /// Turns a direction from the scene's axes into its own.
     #[inline]
     pub(in crate::physics) fn own(&self, direction: R::Vec3) -> R::Vec3 {
         let [x, y, z] = self.axes.map(|axis| direction.dot(axis));
         R::Vec3::new(x, y, z)
     }
 
-    /// A direction in its own axes as the scene has it.
+    /// Turns a direction from its own axes into the scene's.
     #[inline]
     pub(in crate::physics) fn in_scene(&self, own: R::Vec3) -> R::Vec3 {
         let [x, y, z] = own.components();

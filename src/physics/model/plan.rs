@@ -10,8 +10,8 @@ use crate::physics::schemes::chebyshev::stages_for;
 /// The most halvings of a substep of the implicit integrator.
 pub const MOST_HALVINGS: u32 = 24;
 
-/// The most work of the implicit integrator in 1/60 s for each body, in iterations of its solver: some hundred times what a
-/// body takes that lands on the ground. It is counted in work, never in time, so that the motion is the same everywhere.
+/// The most work of the implicit integrator in 1/60 s for each body, in iterations of its solver: some hundred times that of
+/// a body landing on the ground. It is counted in work, never in time, so that the motion is the same everywhere.
 pub const MOST_WORK_A_FRAME: u64 = 100_000;
 
 /// The work of a solve beside its iterations: forces, matrix, contact and balance.
@@ -20,9 +20,9 @@ pub const SOLVE_WORK: u64 = 10;
 /// The stages of a substep in their order (GC Algorithm 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Stage {
-    /// Gravity, where no links are swept: their sweep begins with the weight.
+    /// Gravity, where there is no pass over links: such a pass starts from the weight.
     Gravity,
-    /// Forces of the links with the weight, and the velocities that they give where they come last.
+    /// Link forces with the weight, and the predicted velocities where link forces come last.
     Links,
     /// Cells that are near inversion (S7).
     Recovery,
@@ -41,7 +41,7 @@ impl Stage {
     pub const ALL: [Self; 7] =
         [Self::Gravity, Self::Links, Self::Recovery, Self::BroadPhase, Self::Contact, Self::Integrate, Self::Rest];
 
-    /// The stage's word in figures.
+    /// The stage's name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Gravity => "gravity",
@@ -62,31 +62,31 @@ pub struct SchemeCost {
     pub scheme: Scheme,
     /// The length of its substeps, s.
     pub substep_secs: f64,
-    /// Operations for a simulated second, predicted; the unit is the force of a link that is worked out in a box.
+    /// Predicted operations for a simulated second, in units of a link force evaluated in a box.
     pub cost_per_sec: f64,
 }
 
 impl SchemeCost {
-    /// The cheapest of some, the earliest where several are.
+    /// The cheapest of some; the first of those that are equally cheap.
     pub(in crate::physics) fn cheapest(of: &[Self]) -> Option<&Self> {
         of.iter().min_by(|a, b| a.cost_per_sec.total_cmp(&b.cost_per_sec))
     }
 }
 
-/// Rates that the stabilised scheme has as many stages for as they ask for.
+/// The rates that the number of stages of the stabilised scheme follows from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StageRates {
-    /// Its stability limits, with the largest rate of damping of bodies at rest.
+    /// The scheme's stability limits, with the largest damping rate of bodies at rest.
     pub limits: SceneLimits,
-    /// That rate in any state, 1/s.
+    /// The largest damping rate in any state, 1/s.
     pub strained: f64,
-    /// What a particle's links resist with while their other ends stand still, over its mass, by body: stiffness, 1/s²,
-    /// and damping, 1/s.
+    /// By body, stiffness (1/s²) and damping (1/s) of a particle's links with their other ends held still, over the
+    /// particle's mass.
     pub own: Vec<[f64; 2]>,
 }
 
 impl StageRates {
-    /// Stages of a substep of so many seconds.
+    /// Stages of a substep of `secs` (s) with bodies at rest.
     pub fn stages_at_rest(&self, secs: f64) -> u32 {
         stages_for(self.limits.damping_rate * secs)
     }
@@ -97,17 +97,17 @@ impl StageRates {
     }
 }
 
-/// Bodies whose substeps would have to be divided further where they come near each other pass through each other: they are
+/// The most parts of a substep for contact between bodies. Bodies that would need more pass through each other: they are
 /// millions of times as stiff as jelly, and a second of them would take hours.
 pub const MOST_PARTS_BETWEEN_BODIES: u32 = 1 << 14;
 
 /// How substeps are taken in which bodies come near each other, or their meshes near obstacles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyContactPlan {
-    /// What takes them: such contact is an impulse on the velocities that forces predict, which the implicit and the stabilised
-    /// scheme have no place for.
+    /// The scheme that takes them. Such contact is an impulse on the predicted velocities, for which the implicit and the
+    /// stabilised scheme have no place.
     pub scheme: Scheme,
-    /// Parts that they are divided into for that, at least.
+    /// The fewest parts that they are divided into.
     pub parts: u32,
     /// The same while a body is strained.
     pub(in crate::physics) strained_parts: u32,
@@ -119,65 +119,65 @@ pub struct BodyContactPlan {
 pub struct Plan {
     /// The scheme in use.
     pub scheme: Scheme,
-    /// The schemes that might have been, the one that the person chose first.
+    /// The schemes that were considered, the one of the settings first.
     pub scheme_costs: Vec<SchemeCost>,
-    /// The whole step, s: what the person asked for, or as much of it as can be counted in substeps that are safe.
+    /// The whole step, s: that of the settings, or as much of it as `u32::MAX` safe substeps cover.
     pub dt_secs: f64,
     /// Substeps in a whole step.
     pub substeps: u32,
-    /// Whole steps that one substep covers: more than one only where the implicit integrator has taken over, as many as
-    /// its own step has room for. The steps before the last are counted and the motion waits for it.
+    /// Whole steps that one substep covers: more than one only where the implicit integrator has taken over, as many as its
+    /// own step has room for. The steps before the last are only counted: the motion waits for the last.
     pub span: u32,
-    /// How often a substep of the implicit integrator may be halved whose linear equations prove wrong: down to a step
-    /// that an explicit integrator could take, or as often as can be. Never in manual stepping.
+    /// How often a substep of the implicit integrator may be halved that would give energy: down to a step that an explicit
+    /// integrator could take, or as often as is possible at all. Never in manual stepping.
     pub halvings: u32,
-    /// Whether an explicit integrator can take what is left after that many; otherwise the linear equations have the last
-    /// word.
+    /// Whether an explicit integrator can take the part that is left after so many halvings; otherwise the implicit one
+    /// takes it, unchecked.
     pub(in crate::physics) ends_explicitly: bool,
     /// The work on one substep after which the implicit integrator halves no more, see [`MOST_WORK_A_FRAME`].
     pub most_work: u64,
-    /// Parts that a substep is taken in while a body is strained, at least; none where nothing is divided for that: manual
+    /// Parts that make a substep stable in any state of a strained body; zero where nothing is divided for that: manual
     /// steps, and those of the implicit scheme, which are halved where they would give energy.
     pub(in crate::physics) parts: u32,
-    /// A body is strained from the larger of these strains of any link on, stretched or compressed, until all are below the
-    /// smaller.
+    /// A body becomes strained when the strain of a link, stretched or compressed, exceeds the larger of these, and stays so
+    /// until all links are below the smaller.
     pub(in crate::physics) strains: [f64; 2],
-    /// What damping asks of the stabilised scheme; none with others.
+    /// The rates behind the stages of the stabilised scheme; none with other schemes.
     pub stage_rates: Option<StageRates>,
-    /// The predicted stability limits of the scheme that was asked for: what a division of its steps follows from.
+    /// The predicted stability limits of the scheme in the settings, from which the division of its steps follows.
     pub limits: SceneLimits,
     /// Which families have a link with a force, in any body.
     pub families: [bool; 3],
-    /// Which families have a damping to work out, in any body.
+    /// Which families have damping, in any body.
     pub damped: [bool; 3],
-    /// The instructions that work out the forces of links; the result is the same with all of them.
+    /// The vector instructions that compute link forces; the result is the same with all of them.
     pub simd: SimdLevel,
-    /// Threads that take a step, of the pool that it is asked for in; the result is the same with any number.
+    /// Threads of the caller's pool that take a step; the result is the same with any number.
     pub threads: usize,
     /// Whether crushed cells are pushed back to shape.
     pub recovery: bool,
-    /// Whether anything can be met.
+    /// Whether there are obstacles, and bodies to meet them.
     pub contact: bool,
     /// How bodies meet each other; none where they do not.
     pub between_bodies: Option<BodyContactPlan>,
-    /// How points of bodies' meshes meet obstacles; none where no body has any that do, or nothing can take such steps: then
-    /// their cells meet them.
+    /// How points of bodies' meshes meet obstacles; none where no body has such points, or no scheme can take such steps:
+    /// then the bodies' cells meet obstacles.
     pub on_mesh: Option<BodyContactPlan>,
     /// Whether any obstacle is a sphere.
     pub(in crate::physics) spheres: bool,
-    /// Whether any obstacle rubs.
+    /// Whether any obstacle has friction.
     pub friction: bool,
     /// How obstacles push back.
     pub(in crate::physics) contact_rule: ContactRule,
-    /// Whether the thesis's rule turns back the force that presses a particle on (GC §5.2), as it is written.
+    /// Whether the thesis's contact rule also reverses the force that presses a particle on (GC §5.2), as the thesis has it.
     pub pressing_force: bool,
-    /// Whether an explosion is looked for: where steps are not divided until they are stable.
+    /// Whether explosions are watched for: where steps are not divided until they are stable.
     pub watched: bool,
-    /// Whether boxes keep particles from the narrow phase; the result is the same without, only more expensive.
+    /// Whether a broad phase spares particles the narrow phase; the result is the same without it, only more expensive.
     pub broad_phase: bool,
     /// Whether bodies at rest sleep.
     pub sleeping: bool,
-    /// Whether what cannot change anything is left out; the result is the same without, only more expensive.
+    /// Whether work that cannot change the result is left out; without this, steps are only more expensive.
     pub(in crate::physics) lean: bool,
 }
 
@@ -192,7 +192,7 @@ impl Plan {
         !self.watched
     }
 
-    /// The stability limits of the explicit scheme in use, or of the one that was asked for.
+    /// The stability limits of the explicit scheme in use, or of the one in the settings.
     pub fn limits_at_work(&self) -> &SceneLimits {
         self.stage_rates.as_ref().map_or(&self.limits, |rates| &rates.limits)
     }
@@ -203,14 +203,14 @@ impl Plan {
         self.substep_secs() / f64::from(parts)
     }
 
-    /// Has everything worked out in every substep, whether the scene needs it or not: more expensive, and the same to the bit.
+    /// Makes every substep compute everything, whether the scene needs it or not: more expensive, and the same to the bit.
     pub fn work_out_everything(&mut self) {
         self.families = [true; 3];
         self.broad_phase = false;
         self.lean = false;
     }
 
-    /// What this scene does not need and no step does, with the reason.
+    /// The parts of a step that are left out as this scene does not need them, with the reasons.
     pub fn left_out(&self) -> Vec<(String, &'static str)> {
         let mut left_out = Vec::new();
         for (family, (forces, damped)) in Family::ALL.into_iter().zip(self.families.into_iter().zip(self.damped)) {
@@ -255,7 +255,7 @@ impl Plan {
     }
 }
 
-/// Planes among the obstacles of a model.
+/// Obstacles of a model that have two sides: planes and open meshes.
 pub(in crate::physics) fn plane_count<R: Real>(model: &Model<R>) -> usize {
     model.obstacles.iter().filter(|obstacle| obstacle.shape.side_row().is_some()).count()
 }

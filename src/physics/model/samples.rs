@@ -1,8 +1,8 @@
-//! Points on the mesh that a body's cells were made of, which meet obstacles and other bodies in place of its particles (C8),
-//! and the mesh itself, at which the points of others are let out.
+//! Points on the mesh that a body's cells were made from, which meet obstacles and other bodies in place of its particles
+//! (C8), and the mesh itself, out of which points of other bodies are pushed.
 //!
-//! They follow from the lattice alone, and are constant: each is a mean of the eight particles of one cell, at most eight to a
-//! cell ([`crate::geometry::sampling`]).
+//! They follow from the lattice alone, and are constant. Each point is a mean of the eight particles of one cell; a cell has
+//! at most eight points ([`crate::geometry::sampling`]).
 
 use std::ops::Range;
 
@@ -12,23 +12,23 @@ use super::skin::Skin;
 use crate::geometry::Lattice;
 use crate::geometry::sampling::{SurfaceSample, surface_samples};
 
-/// A weight of a point that is in its cell is no less than this: rounding.
+/// The least weight of a point inside its cell: zero but for rounding errors.
 const LEAST_WEIGHT: f64 = -1e-3;
 
 /// The points of a body's mesh, by cell. Numbers of particles are local to the body.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::physics) struct Samples {
-    /// The cells that carry any, ascending.
+    /// The cells that carry points, ascending.
     pub(in crate::physics) cells: Vec<SampledCell>,
-    /// The weights of the eight particles, of every point.
+    /// The weights of the eight particles, by point.
     pub(in crate::physics) weights: Vec<[f64; 8]>,
-    /// The place among `cells` of the one that carries each point.
+    /// The place in `cells` of the cell that carries each point.
     pub(in crate::physics) cell_of: Vec<u32>,
     /// Whether other bodies may meet them.
     pub(in crate::physics) meet_bodies: bool,
-    /// The mesh, where they may and it has an inside.
+    /// The mesh, where other bodies may meet the points and the mesh has an inside.
     pub(in crate::physics) skin: Option<Skin>,
-    /// The normal of that mesh at every point, of a body at rest; of no length where it has no inside.
+    /// The normal of that mesh at every point of the body at rest; empty where there is no such mesh.
     normals: Vec<DVec3>,
 }
 
@@ -39,14 +39,14 @@ pub(in crate::physics) struct SampledCell {
     pub(in crate::physics) carriers: [u32; 8],
     /// Its points.
     pub(in crate::physics) points: Range<usize>,
-    /// How far its points may be from the middle of its box, as a share of half the box: the largest Σ |weight|, which is one
-    /// where all are inside it.
+    /// How far its points may be from the middle of its box, as a share of half the box: the largest Σ |weight| of a point,
+    /// 1 where all points are inside it.
     pub(in crate::physics) reach: f64,
 }
 
 impl Samples {
-    /// Those of a lattice, with what bodies meet of the mesh if they may; none where it was made of no mesh, or nothing of that is
-    /// near a cell.
+    /// The points of a lattice, with the mesh itself if other bodies may meet it; none where the lattice was not made from a
+    /// mesh, or no part of the mesh is near a cell.
     pub(in crate::physics) fn new(lattice: &Lattice, meet_bodies: bool) -> Option<Self> {
         let samples = surface_samples(lattice.mesh.as_ref()?, lattice);
         let (mut cells, mut cell_of, mut first) = (Vec::<SampledCell>::new(), Vec::with_capacity(samples.len()), 0);
@@ -71,8 +71,8 @@ impl Samples {
         (!cells.is_empty()).then_some(Self { cells, weights, cell_of, meet_bodies, skin, normals })
     }
 
-    /// Whether a point is in the cell that carries it, and so between the cell's particles however these move: what sticks out of
-    /// all cells meets no other body.
+    /// Whether a point is inside the cell that carries it, and so between the cell's particles however these move. A point
+    /// outside its cell meets no other body.
     pub(in crate::physics) fn is_in_its_cell(&self, number: usize) -> bool {
         self.weights[number].iter().all(|weight| *weight >= LEAST_WEIGHT)
     }

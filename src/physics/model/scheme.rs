@@ -1,4 +1,4 @@
-//! Which scheme advances a step: [`crate::physics::schemes`] has their formulas.
+//! The time integration schemes; [`crate::physics::schemes`] has their formulas.
 
 /// The scheme that advances a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub enum Scheme {
     Rk2,
     /// The classical Runge–Kutta method of fourth order.
     Rk4,
-    /// Runge–Kutta–Chebyshev of second order, in as many stages as damping asks for.
+    /// Runge–Kutta–Chebyshev of second order, with as many stages as the damping needs.
     Stabilised,
     /// Linearly implicit Euler.
     Implicit,

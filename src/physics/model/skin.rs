@@ -1,5 +1,6 @@
-//! The closed mesh that a body's cells were made of, of the body at rest: a distance field by which points of others find out
-//! of it (Fisher and Lin, *Deformed distance fields for simulation of non-penetrating flexible bodies*, 2001).
+//! The closed mesh that a body's cells were made from, of the body at rest: a signed distance field by which penetrating
+//! points of other bodies find the way out (Fisher and Lin, *Deformed distance fields for simulation of non-penetrating
+//! flexible bodies*, 2001).
 
 use std::sync::Arc;
 
@@ -8,13 +9,14 @@ use glam::DVec3;
 use crate::geometry::voxel::patched;
 use crate::geometry::{Lattice, Surface, TriMesh};
 
-/// A line of this length leads out of any surface, in its own length.
+/// A ray of this length leads out of any surface, in the surface's unit.
 const BEYOND: f64 = 2.0;
 
-/// Vertices are the same no further apart than this, in the length of the mesh.
+/// Vertices no further apart than this are merged, in the longest extent of the mesh.
 const SAME: f64 = 1e-9;
 
-/// Nearer to the surface than this, in its own length, the way there is told by the surface and not by the way.
+/// Nearer to the surface than this, in its unit, the surface's normal is taken in place of the direction to its nearest
+/// point.
 const AT_SURFACE: f64 = 1e-9;
 
 /// A closed mesh in the coordinates of its lattice's grid.
@@ -28,9 +30,9 @@ pub(in crate::physics) struct Skin {
 /// A way out of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::physics) struct WayThrough {
-    /// Unit normal of where it leads out.
+    /// Unit normal at its end, outwards.
     pub(in crate::physics) normal: DVec3,
-    /// How far that is along the normal, m.
+    /// Its length along the normal, m.
     pub(in crate::physics) depth: f64,
 }
 
@@ -45,7 +47,8 @@ impl PartialEq for Skin {
 }
 
 impl Skin {
-    /// That of a lattice; none where it was made of no mesh, or of one that has no inside, even with its small holes closed.
+    /// The skin of a lattice; none where the lattice was not made from a mesh, or from one that has no inside even with its
+    /// small holes closed.
     pub(super) fn of(lattice: &Lattice) -> Option<Self> {
         let mesh = joined(lattice.mesh.as_ref()?);
         Self::closed(&mesh).or_else(|| Self::closed(&patched(&mesh)?))
@@ -84,7 +87,7 @@ impl Skin {
             .then(|| WayThrough { normal: pierced.normal, depth: pierced.t * BEYOND * leads_out * self.length() })
     }
 
-    /// How thick it is where it is thinnest but for sharp edges, m.
+    /// The least thickness of the mesh, sharp edges not counted, m.
     pub(in crate::physics) fn thickness(&self) -> f64 {
         2.0 * self.surface.half_thickness() * self.length()
     }
@@ -98,7 +101,7 @@ impl Skin {
     }
 }
 
-/// A mesh whose vertices are one where rounding alone holds them apart: those of a pole that a program gave the sine of 180°.
+/// Merges vertices that only rounding errors keep apart, as those of a pole that a program computed from the sine of 180°.
 fn joined(mesh: &TriMesh) -> TriMesh {
     let bounds = mesh.bounds();
     let step = SAME * bounds.size().max_element();
@@ -112,8 +115,8 @@ mod tests {
     use super::*;
     use crate::geometry::voxel::Cells;
 
-    /// The twelve triangles of a box of 0.4 × 1 × 1 m, its lowest corner at (1, 2, 3) m, each with vertices of its own that are a
-    /// rounding off, but for some.
+    /// The twelve triangles of a box of 0.4 × 1 × 1 m, its lowest corner at (1, 2, 3) m, but for those in `without`. Each
+    /// has vertices of its own, which are off by rounding errors.
     fn slab(without: &[usize]) -> Option<Skin> {
         let corner = |place: usize| {
             let [x, y, z] = [place & 1, place >> 1 & 1, place >> 2].map(|at| at as f64);

@@ -1,4 +1,4 @@
-//! What contact between bodies asks of modal ones, in a substep.
+//! The side of modal bodies in contact between bodies, in a substep.
 
 use glam::DVec3;
 
@@ -21,7 +21,7 @@ pub(in crate::physics) struct Among<'a, R: Real> {
 }
 
 impl<'a, R: Real> Among<'a, R> {
-    /// Those of a substep that begins, with what obstacles and a hand do to them.
+    /// Begins a substep of the modal bodies that meet others, with obstacles and a hand.
     pub(in crate::physics) fn begin(
         inputs: Inputs<'a, R>,
         state: &'a State<R>,
@@ -36,7 +36,7 @@ impl<'a, R: Real> Among<'a, R> {
         Self { inputs, state, workspace }
     }
 
-    /// Calls with a body over the substep and room for a row; nothing where it does not move by modes.
+    /// Calls `with` with the motion of a body over the substep and room for a row; none where the body has no modes.
     fn with<T>(&mut self, body: usize, with: impl FnOnce(&Motion<'_, R>, &mut [DVec3]) -> T) -> Option<T> {
         let (modal, own) = (self.inputs.model.bodies[body].modal.as_ref()?, &self.state.modal[body]);
         let flight = self.inputs.flight(modal, own);
@@ -48,7 +48,7 @@ impl<'a, R: Real> Among<'a, R> {
     }
 }
 
-/// How the mean of particles of a body moves by its modes, in the body's coordinates, and where it is at rest, m.
+/// Writes the row of a weighted mean of particles, in the body's coordinates. Returns where it is at rest, m.
 fn mean_of<R: Real>(motion: &Motion<'_, R>, particles: &[(usize, f64)], row: &mut [DVec3]) -> DVec3 {
     row.fill(DVec3::ZERO);
     let mut rest = DVec3::ZERO;

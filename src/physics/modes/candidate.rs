@@ -1,4 +1,4 @@
-//! Points of a modal body that meet obstacles, before they are contacts: alone or as the mean of neighbours.
+//! Contact candidates of a modal body: points that meet obstacles, alone or as the mean of neighbours.
 
 use glam::{DMat3, DVec3};
 
@@ -25,16 +25,16 @@ pub(super) struct Candidate {
     pub(super) way: Way,
     /// Unit normal, away from the obstacle.
     pub(super) normal: DVec3,
-    /// How far the point is from the surface when the substep begins, m; less than nothing inside.
+    /// How far the point is from the surface when the substep begins, m; negative inside.
     pub(super) gap: f64,
     /// The velocity of the surface, m/s.
     pub(super) velocity: DVec3,
-    /// How far its spring is pressed then, m; less than nothing outside.
+    /// How far its spring is pressed then, m; negative outside.
     pub(super) pressed: f64,
 }
 
 impl Candidate {
-    /// A point that met an obstacle so, both by number.
+    /// The candidate of a point that meets an obstacle as `met` says, both by number.
     pub(super) fn new<R: Real>(
         motion: &Motion<'_, R>,
         (point, obstacle): (usize, usize),
@@ -55,7 +55,8 @@ impl Candidate {
         }
     }
 
-    /// The mean of neighbours that meet the same obstacle: as a spring for each would, it is pressed by what presses all.
+    /// The mean of neighbours that meet the same obstacle. Its spring is pressed by the mean of theirs, to push as all of
+    /// them would.
     pub(super) fn mean(of: &[Self]) -> Option<Self> {
         let [first, others @ ..] = of else { return None };
         let mut mean = *first;
@@ -80,7 +81,7 @@ impl Candidate {
         Some(mean)
     }
 
-    /// How deep it is at the end of a substep of `dt` (s) without what pushes, m.
+    /// Its depth at the end of a substep of `dt` (s) without impulses, m.
     pub(super) fn depth(&self, dt: f64) -> f64 {
         -(self.gap + (self.way.path - self.velocity * dt).dot(self.normal))
     }
@@ -90,6 +91,6 @@ impl Candidate {
 pub(super) struct Met<R: Real> {
     pub(super) way: Way,
     pub(super) surface: Surface<R>,
-    /// That of the surface, m/s.
+    /// The velocity of the surface, m/s.
     pub(super) velocity: R::Vec3,
 }

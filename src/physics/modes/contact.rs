@@ -1,4 +1,4 @@
-//! Which points of a modal body meet which obstacles within a substep, and what their springs have to do.
+//! Finds which points of a modal body meet which obstacles within a substep, and solves their contacts.
 
 use glam::DVec3;
 
@@ -15,46 +15,48 @@ use crate::physics::state::touch::SampleTouch;
 /// The most contacts of a held body that are solved for at once: where there are more, the deepest ones.
 const MOST: usize = 256;
 
-/// The same of a free body, which may lie on all of a side: where more of its points meet something, about as many groups of
-/// neighbours, each by the mean of its points. The deepest would be now this one and now that, and the body never at rest.
+/// About the most contacts of a free body, which may lie on all of a side: where more of its points meet something, groups
+/// of neighbours are solved for, each by the mean of its points. The deepest points would change all the time, and the body
+/// would never rest.
 const MOST_GROUPS: usize = 64;
 
-/// Points are of one group whose normals are no farther apart: the cosine between them.
+/// The least cosine between the normals of neighbours in one group.
 const ONE_WAY: f64 = 0.9;
 
-/// Contacts of a free body are damped by no less of the critical damping, so that it comes to rest.
+/// The least damping ratio of a free body's contacts, so that it comes to rest.
 const LEAST_DAMPING: f64 = 0.05;
 
-/// A mode moves a point by less than rounding where its mobility is below this, 1/kg.
+/// A point whose mobility is below this (1/kg) counts as held: modes move it by no more than rounding errors.
 const HELD: f64 = 1e-12;
 
-/// A point at an obstacle. All in the body's coordinates.
+/// The contact of a point, or of a group of points, with an obstacle. All in the body's coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct ModalContact {
     /// Unit normal, away from the obstacle.
     pub(super) normal: DVec3,
     /// The velocity of the surface, m/s.
     surface: DVec3,
-    /// How deep the point is at the end of the substep without what pushes, m.
+    /// How deep the point is at the end of the substep without impulses, m.
     depth: f64,
-    /// How much deeper the deepest is of those that it stands for, m.
+    /// How much deeper the deepest point of the group is, m.
     below: f64,
-    /// How far its spring is pressed when the substep begins, m; less than nothing outside.
+    /// How far its spring is pressed when the substep begins, m; negative outside.
     pressed: f64,
-    /// How much deeper the point is than that, m.
+    /// How much deeper the point is than its spring is pressed, m.
     beyond: f64,
-    /// How fast it is past the surface then, m/s; of a free body, on the whole.
+    /// Its velocity relative to the surface at the end of the substep without impulses, m/s; of a free body, the mean
+    /// velocity.
     pub(super) past: DVec3,
     /// N/m and N·s/m.
     stiffness: f64,
     damping: f64,
-    /// Of the point along the normal and across it, 1/kg.
+    /// The mobility (inverse effective mass) of the point along the normal and across it, 1/kg.
     mobility: [f64; 2],
     /// Coulomb's coefficients, at rest and sliding.
     friction: [f64; 2],
-    /// How fast what is deeper than its spring is pressed leaves at most, m/s.
+    /// The largest speed at which a point leaves that is deeper than its spring is pressed, m/s.
     gentle: f64,
-    /// Those of the candidates that it stands for.
+    /// The range of candidates that it stands for.
     candidates: [usize; 2],
     /// The impulse so far along the normal, N·s, and across it.
     pushed: f64,
@@ -62,19 +64,20 @@ pub(super) struct ModalContact {
 }
 
 impl ModalContact {
-    /// How far its spring is pressed at the end of a substep of `dt` (s), m, which changed the point's speed by `change` (m/s).
+    /// How far its spring is pressed at the end of a substep of `dt` (s) in which impulses change the point's velocity by
+    /// `change` (m/s), m.
     fn pressed_at_end(&self, change: DVec3, dt: f64) -> f64 {
         let way = dt * (self.past + change).dot(self.normal);
         pressed_at_end(self.pressed, way, self.pushed / (dt * self.stiffness))
     }
 
-    /// Does what all others leave it to do, which change the point's speed by `change` (m/s). Tells the change of its impulse,
-    /// N·s.
+    /// Solves the contact while all impulses so far change the point's velocity by `change` (m/s). Returns the change of its
+    /// own impulse, N·s.
     pub(super) fn solve(&mut self, change: DVec3, dt: f64) -> DVec3 {
         let past = self.past + change;
         let [along, across] = self.mobility;
         let speed = past.dot(self.normal);
-        // Without what it does itself.
+        // Without its own impulse.
         let alone = speed - along * self.pushed;
         let depth = self.depth - dt * (change.dot(self.normal) - along * self.pushed);
         let resistance = dt * (dt * self.stiffness + self.damping);
@@ -99,26 +102,27 @@ impl ModalContact {
     }
 }
 
-/// What a body meets in a substep, and room to find it in.
+/// The contacts of a body in a substep, and room to find them in.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ModalContacts {
     all: Vec<ModalContact>,
-    /// How each of their points moves by the modes, one after another.
+    /// The row of each contact's point, one after another: its displacement by each mode.
     rows: Vec<DVec3>,
     modes: usize,
     row: Vec<DVec3>,
     mean: Vec<DVec3>,
     known: Vec<Known>,
     most: usize,
-    /// All that points of a free body meet.
+    /// All candidates of a free body.
     candidates: Vec<Candidate>,
-    /// How far the springs of the candidates are pressed at the end, as touches are known, in their order.
+    /// The candidates' springs at the end of the substep, as touches and in their order.
     pressed: Vec<SampleTouch>,
     touches: Vec<SampleTouch>,
 }
 
 impl ModalContacts {
-    /// Room for so many, of a body of so many modes, among so many meshes, of which free bodies remember so many.
+    /// Room for `points` pairs of a point and an obstacle, of a body with `modes` modes and rigid motions among `meshes`
+    /// meshes; a free body remembers up to `touches` touches.
     pub(super) fn new(points: usize, modes: usize, meshes: usize, touches: usize) -> Self {
         let most = points.min(MOST);
         Self {
@@ -135,7 +139,7 @@ impl ModalContacts {
         }
     }
 
-    /// Forgets what they did.
+    /// Resets all impulses.
     pub(super) fn reset(&mut self) {
         self.all.iter_mut().for_each(|contact| (contact.pushed, contact.rubbed) = (0.0, DVec3::ZERO));
     }
@@ -144,7 +148,7 @@ impl ModalContacts {
         self.all.is_empty()
     }
 
-    /// The contacts, each with how its point moves.
+    /// The contacts, each with the row of its point.
     pub(super) fn each(&mut self) -> impl Iterator<Item = (&mut ModalContact, &[DVec3])> {
         self.all.iter_mut().zip(self.rows.chunks_exact(self.modes.max(1)))
     }
@@ -154,7 +158,7 @@ impl ModalContacts {
         self.all.iter().filter(|contact| contact.pushed > 0.0).count()
     }
 
-    /// How deep the deepest is at the end of the substep, m.
+    /// The largest depth at the end of the substep, m.
     pub(super) fn deepest(&self, secs: f64, change: &[f64]) -> f64 {
         let rows = self.rows.chunks_exact(self.modes.max(1));
         let depths = self.all.iter().zip(rows).map(|(met, row)| {
@@ -164,7 +168,7 @@ impl ModalContacts {
         depths.fold(0.0, f64::max)
     }
 
-    /// Counts what obstacles did.
+    /// Counts the work, the frictions and the surface speeds of obstacles.
     pub(super) fn count_work(&self, recorder: &mut Recorder<'_>) {
         for contact in &self.all {
             let impulse = contact.normal * contact.pushed + contact.rubbed;
@@ -175,7 +179,7 @@ impl ModalContacts {
         }
     }
 
-    /// Finds all that points of a body meet. `touches` are those of a free body that touched before.
+    /// Finds all contacts of a body's points with obstacles. `touches` are those of a free body before.
     pub(super) fn find<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
@@ -211,11 +215,11 @@ impl ModalContacts {
         self.gather(motion, model);
     }
 
-    /// Has all candidates of a free body be contacts, alone or in groups of neighbours.
+    /// Makes contacts of all candidates of a free body, alone or in groups of neighbours.
     fn gather<R: Real>(&mut self, motion: &Motion<'_, R>, model: &Model<R>) {
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.sort_unstable_by_key(|candidate| (candidate.obstacle, candidate.place));
-        // What is the same for neighbours in the tree's order: more of them are, the farther it is shifted.
+        // The group of a candidate: a larger shift puts more neighbours in the tree's order into the same group.
         let group = |of: &Candidate, shift: u32| (of.obstacle, of.place >> shift);
         let are_few = |shift: &u32| {
             let groups = candidates.chunk_by(|one, next| group(one, *shift) == group(next, *shift));
@@ -233,7 +237,7 @@ impl ModalContacts {
         self.candidates = candidates;
     }
 
-    /// Has the row be the mean of those of these points.
+    /// Sets the row to the mean of these points' rows.
     fn take_mean_row<R: Real>(&mut self, motion: &Motion<'_, R>, candidates: &[Candidate]) {
         let share = 1.0 / candidates.len() as f64;
         self.mean.fill(DVec3::ZERO);
@@ -244,8 +248,8 @@ impl ModalContacts {
         self.row.copy_from_slice(&self.mean);
     }
 
-    /// Finds which points of a free body touch obstacles after a motion: of planes and open meshes, each on the side that it
-    /// came from; of others, those whose springs are pressed ([`Self::press`]).
+    /// Finds which points of a free body touch obstacles after a motion: planes and open meshes, each on the side that the
+    /// point came from; other obstacles where the point's spring is pressed ([`Self::press`]).
     pub(super) fn find_touches<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
@@ -279,8 +283,8 @@ impl ModalContacts {
         self.touches.sort_unstable_by_key(SampleTouch::place);
     }
 
-    /// Finds how far the springs of all candidates are pressed at the end, each as that of its group; `change` is what changed of
-    /// the rates.
+    /// Finds how far the springs of all candidates are pressed at the end, each as that of its group; `change` is the change
+    /// of the rates.
     pub(super) fn press<R: Real>(&mut self, motion: &Motion<'_, R>, change: &[f64]) {
         self.pressed.clear();
         let rows = self.rows.chunks_exact(self.modes.max(1));
@@ -295,17 +299,17 @@ impl ModalContacts {
         self.pressed.sort_unstable_by_key(SampleTouch::place);
     }
 
-    /// Nothing touches until it is found to.
+    /// Forgets all touches.
     pub(super) fn forget_touches(&mut self) {
         self.touches.clear();
     }
 
-    /// What was found last to touch.
+    /// The touches that were found last.
     pub(super) fn touches(&self) -> &[SampleTouch] {
         &self.touches
     }
 
-    /// How a point moves; the row is that of the point then.
+    /// The motion of a point; sets the row to that of the point.
     fn go<R: Real>(&mut self, motion: &Motion<'_, R>, point: usize) -> Way {
         let Motion { modal, .. } = *motion;
         let row = &mut self.row[..self.modes];
@@ -313,7 +317,7 @@ impl ModalContacts {
         motion.way(modal.points.rest(point), row)
     }
 
-    /// How a point meets an obstacle, if it does; the row is that of the point then.
+    /// How a point meets an obstacle, if it does; sets the row to that of the point.
     fn meet<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
@@ -324,7 +328,7 @@ impl ModalContacts {
         let Motion { modal, secs, .. } = *motion;
         let (way, rest) = (self.go(motion, point), modal.points.rest(point));
         let from = R::Vec3::from_dvec3(motion.in_scene(way.from));
-        // That of a held body, where it rests; of a free one, where it is.
+        // Of a held body the side of the place at rest; of a free one that of the present place.
         let side = match (known, motion.flight) {
             (Some(known), _) => known.side,
             (None, None) => {
@@ -338,7 +342,8 @@ impl ModalContacts {
         Some(Met { way, surface, velocity })
     }
 
-    /// Has these candidates, the first of which has this place among so many, be one contact. The row is the mean of theirs.
+    /// Makes one contact of these candidates. `first` is the place of the first of them among `all` candidates; the row is
+    /// the mean of theirs.
     fn constrain<R: Real>(
         &mut self,
         motion: &Motion<'_, R>,
@@ -364,7 +369,7 @@ impl ModalContacts {
         let (contact, rubs) = (&body.contacts[obstacle], &model.obstacles[obstacle]);
         let points = candidates.len() as f64;
         let stiffness = points * contact.stiffness.to_f64();
-        // Together the springs of a free body are damped as one is.
+        // Together the springs of a free body have the damping ratio of one.
         let share = points / all as f64;
         let contact = ModalContact {
             normal,
@@ -397,15 +402,15 @@ impl ModalContacts {
     }
 }
 
-/// Damping of a contact's spring over the critical one. That of a free body's point stands for the give of the body about it,
-/// which its few modes lack: it is damped as the highest of them is, so that a body bounces as high as its solid lets it.
+/// The damping ratio of a contact's spring. In a free body the spring stands for the local give that its few modes lack: it
+/// has the damping ratio of the highest mode, so that a body bounces as high as its solid lets it.
 pub(super) fn damping_ratio<R: Real>(motion: &Motion<'_, R>) -> f64 {
     let highest = motion.modal.modes.rates().last().filter(|_| motion.flight.is_some());
     highest.map_or(1.0, |[omega, damping]| (0.5 * damping / omega).clamp(LEAST_DAMPING, 1.0))
 }
 
-/// Calls with every point that may come to the obstacle of a number: first those that touch it, then others whose
-/// box comes near. Tells how many boxes were looked at.
+/// Calls `with` for every point that may come to the obstacle of this number: first for those that touch it, then for others
+/// whose box comes near. Returns how many boxes were looked at.
 fn each_near<R: Real>(
     motion: &Motion<'_, R>,
     number: usize,
@@ -427,7 +432,7 @@ fn each_near<R: Real>(
     })
 }
 
-/// The side of a plane on which a point is; where it is in the plane, that of the middle of its body. Nothing of other
+/// The side of a plane on which a point is; for a point in the plane, that of the middle of its body. Zero for other
 /// obstacles.
 fn side_of<R: Real>(shape: &ObstacleShape<R>, at: R::Vec3, middle: R::Vec3) -> i8 {
     let ObstacleShape::Plane(plane) = shape else { return 0 };

@@ -1,16 +1,16 @@
-//! A free body as a whole over a substep: what weight and its own spin do, and where what pushes at it leaves it.
+//! The rigid motion of a free body over a substep: by weight and its own spin, and with the impulses that push it.
 //!
 //! ```text
 //!   c* = c + dt v + ½ dt² g      v* = v + dt g      L* = L      R* = R F
 //! ```
 //!
-//! The turn `F` is that of a free rigid body, by symmetric splitting of its kinetic energy about the principal axes
-//! (R. McLachlan, "Explicit Lie–Poisson integration and the Euler equations", Phys. Rev. Lett. 71, 1993; S. Reich, "Momentum
-//! conserving symplectic integrators", Physica D 76, 1994): half a turn about the first and the second, a whole one about the
-//! third, and back. The angular momentum in the scene stays what it is, to the bit; the energy swings within bounds and does
-//! not drift. A substep in which the body turns far is taken in several.
+//! The turn `F` is that of a free rigid body, by symmetric splitting of its kinetic energy about the principal axes (R.
+//! McLachlan, "Explicit Lie–Poisson integration and the Euler equations", Phys. Rev. Lett. 71, 1993; S. Reich, "Momentum
+//! conserving symplectic integrators", Physica D 76, 1994): half a turn about the first and the second, a whole one about
+//! the third, and back. The angular momentum in the scene is kept to the bit; the energy oscillates within bounds and does
+//! not drift. A substep in which the body turns far is divided.
 //!
-//! What pushes does so as the substep begins, along and about axes of the body as it is then:
+//! Impulses act as the substep begins, along and about axes of the body as it is then:
 //!
 //! ```text
 //!   v = v* + R Δv,   c = c* + dt R Δv,   L = L* + R ΔL,   R = R exp(dt Δω) F
@@ -22,13 +22,13 @@ use crate::math::{Aabb, rotation};
 use crate::physics::model::Inertia;
 use crate::physics::state::RigidState;
 
-/// How many motions a free body has beside its modes.
+/// The number of rigid motions that a free body has beside its modes.
 pub(super) const RIGID: usize = 6;
 
-/// The body turns no farther at once, radians.
+/// The largest turn that is taken at once, radians.
 const MOST_TURN: f64 = 0.02;
 
-/// A substep is divided into no more turns.
+/// The most turns that a substep is divided into.
 const MOST_TURNS: f64 = 100.0;
 
 /// A free body that is farther out or faster has exploded, m and m/s.
@@ -38,9 +38,9 @@ const FARTHEST: f64 = 1e12;
 #[derive(Clone, Debug)]
 pub(super) struct Flight<'a> {
     pub(super) inertia: &'a Inertia,
-    /// As it begins.
+    /// Its motion as the substep begins.
     now: RigidState,
-    /// As it ends.
+    /// Its motion as the substep ends.
     pub(super) end: RigidState,
     /// The turn within the substep, about the centre of mass and in the body's coordinates.
     turned: DMat3,
@@ -51,7 +51,7 @@ pub(super) struct Flight<'a> {
 }
 
 impl<'a> Flight<'a> {
-    /// That of a body that nothing pushes.
+    /// The flight of a body that nothing pushes.
     pub(super) fn free(inertia: &'a Inertia, now: RigidState, gravity: DVec3, secs: f64) -> Self {
         let turn = now.turn * spun(inertia, now.turn.conjugate() * now.momentum, secs);
         let center = now.center + now.velocity * secs + gravity * (0.5 * secs * secs);
@@ -66,14 +66,14 @@ impl<'a> Flight<'a> {
         Self { inertia, now, end, turned: DMat3::from_quat(turned), shift, angle }
     }
 
-    /// The same after what pushes has changed the rates of the six motions by so much as the substep began, √J.
+    /// The same flight with the rates of the six motions changed by so much (√J) as the substep began.
     pub(super) fn pushed(&self, [x, y, z, i, j, k]: [f64; RIGID], secs: f64) -> Self {
         let Self { inertia, now, end, .. } = self;
         let faster = now.turn * (DVec3::new(x, y, z) / inertia.mass.sqrt());
         let roots = DVec3::from(inertia.moments.to_array().map(f64::sqrt));
         let about = DVec3::new(i, j, k);
         let spin = inertia.axes * (about / roots);
-        // Rounding takes its length from what is turned often.
+        // Rounding errors change the length of a quaternion that is turned often.
         let turn = now.turn * rotation::from_vector(spin * secs) * (now.turn.conjugate() * end.turn);
         let turn = turn * (1.0 / turn.length());
         let center = end.center + faster * secs;
@@ -104,25 +104,26 @@ impl<'a> Flight<'a> {
         self.shift
     }
 
-    /// Where a point ends which is there in the body when the substep does, in the body's coordinates as it begins, m.
+    /// Where a point ends that is at `at` in the body at the end of the substep: in the body's coordinates as the substep
+    /// begins, m.
     pub(super) fn carries(&self, at: DVec3) -> DVec3 {
         let center = self.inertia.center;
         center + self.shift + self.turned * (at - center)
     }
 
-    /// No point in this box is carried farther, m.
+    /// A bound on how far points in this box are carried, m.
     pub(super) fn reach(&self, around: Aabb<f64>) -> f64 {
         let center = self.inertia.center;
         let farthest = (around.min - center).abs().max((around.max - center).abs()).length();
         self.shift.length() + self.angle * farthest
     }
 
-    /// No point moved faster on the whole, but for the swing, m/s.
+    /// A bound on the mean speed of any point, vibration left out, m/s.
     pub(super) fn speed(&self) -> f64 {
         self.end.mean_velocity.length() + self.end.mean_spin.length() * self.inertia.radius
     }
 
-    /// How much what pushed has changed how fast any point moves, m/s.
+    /// A bound on how much weight and impulses together changed the velocity of any point, m/s.
     pub(super) fn push(&self) -> f64 {
         let Self { inertia, now, end, .. } = self;
         let own = now.turn.conjugate() * (end.momentum - now.momentum);
@@ -137,7 +138,7 @@ impl<'a> Flight<'a> {
     }
 }
 
-/// How a body with this angular momentum turns freely, both in the body's coordinates.
+/// The turn of a free body with this angular momentum, both in the body's coordinates.
 fn spun(inertia: &Inertia, momentum: DVec3, secs: f64) -> DQuat {
     let parts = libm::ceil(inertia.spin(momentum).length() * secs / MOST_TURN).clamp(1.0, MOST_TURNS);
     let secs = secs / parts;

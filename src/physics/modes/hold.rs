@@ -9,23 +9,23 @@ use super::oscillator::Oscillator;
 use crate::math::{Real, Vector};
 use crate::physics::interaction::{Grab, resistance};
 
-/// Rounds in which all that pushes at points is solved for.
+/// The most rounds over the hand and all contacts.
 const ROUNDS: usize = 32;
 
-/// Impulses have settled that change by less than this share of the largest.
+/// Impulses have settled once they change by less than this share of the largest change.
 const SETTLED: f64 = 1e-6;
 
 /// A hand that pulls at a point. In the body's coordinates.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hand {
-    /// How the point moves in each way that the body has.
+    /// The displacement of the point by each mode and rigid motion.
     row: Vec<DVec3>,
     modes: usize,
-    /// What an impulse changes of the point's speed, 1/kg.
+    /// The mobility of the point: its change of velocity for an impulse, 1/kg.
     mobility: DMat3,
-    /// From the point at the end of the substep without what pushes to where it is pulled to, m.
+    /// From the point at the end of the substep without impulses to where it is pulled to, m.
     left: DVec3,
-    /// How fast it is then, m/s; of a free body, on the whole.
+    /// Its velocity then, m/s; of a free body, the mean velocity.
     speed: DVec3,
     stiffness: f64,
     damping: f64,
@@ -34,12 +34,12 @@ pub(super) struct Hand {
 }
 
 impl Hand {
-    /// Room for so many ways to move.
+    /// Room for this many modes and rigid motions.
     pub(super) fn new(modes: usize) -> Self {
         Self { row: vec![DVec3::ZERO; modes], ..Self::default() }
     }
 
-    /// Takes a point of a body. Says whether that moves.
+    /// Takes hold of a point of a body. Returns whether the point can move.
     pub(super) fn take<R: Real>(&mut self, grab: &Grab<R>, motion: &Motion<'_, R>) -> bool {
         let (modal, body) = (motion.modal, motion.body);
         self.modes = motion.count();
@@ -71,15 +71,15 @@ impl Hand {
         self.mobility != DMat3::ZERO
     }
 
-    /// Forgets what it did.
+    /// Resets the impulse.
     pub(super) fn reset(&mut self) {
         self.impulse = DVec3::ZERO;
     }
 
-    /// Does what all others leave it to do, which change the point's speed by `change` (m/s). Tells the change of its impulse,
-    /// N·s.
+    /// Solves the pull while all impulses so far change the point's velocity by `change` (m/s). Returns the change of its
+    /// own impulse, N·s.
     fn solve(&mut self, change: DVec3, dt: f64) -> DVec3 {
-        // Without what it does itself.
+        // Without its own impulse.
         let change = change - self.mobility * self.impulse;
         let resistance = dt * resistance([self.stiffness, self.damping], dt);
         let pulling = (self.left - change * dt) * (dt * self.stiffness) - (self.speed + change) * (dt * self.damping);
@@ -90,7 +90,7 @@ impl Hand {
     }
 }
 
-/// Finds what a hand and all contacts do, and what that changes of the modes' rates.
+/// Solves for the impulses of a hand and all contacts, and for the change of the modes' rates by them.
 pub(super) fn solve(
     mut hand: Option<&mut Hand>,
     contacts: &mut ModalContacts,
@@ -99,7 +99,7 @@ pub(super) fn solve(
     change: &mut [f64],
 ) {
     let mut largest = 0.0_f64;
-    // A hand alone has its way at once.
+    // A hand alone is solved in one round.
     let rounds = if contacts.is_empty() { 1 } else { ROUNDS };
     for _ in 0..rounds {
         let most = round(hand.as_deref_mut(), contacts, oscillators, dt, change);
@@ -110,8 +110,8 @@ pub(super) fn solve(
     }
 }
 
-/// Has a hand and all contacts, one after another, do what the others leave them to. Tells by how much an impulse changed at
-/// most, N·s.
+/// Solves for a hand and all contacts once, one after another, each given the impulses of the others. Returns the largest
+/// change of an impulse, N·s.
 pub(super) fn round(
     hand: Option<&mut Hand>,
     contacts: &mut ModalContacts,

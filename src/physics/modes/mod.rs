@@ -5,75 +5,79 @@
 //!   u = Σ qᵢ φᵢ       q'' + c q' + ω² q = φᵀ F        c = φᵀ C φ
 //! ```
 //!
-//! The modes themselves come from outside (`modal` finds them); a body that has them is a modal body. Its particles sleep as
-//! far as all other rooms know, and are put where the modes have them when someone looks: so a substep costs as much as there
-//! are modes, and contact as much as comes near.
+//! The modes come from outside (`modal` finds them); a body that has them is a modal body. For all other modules its
+//! particles sleep; they are placed by the modes only when they are looked at. So the cost of a substep is that of the
+//! modes, and the cost of contact that of the points near obstacles.
 //!
 //! ```text
-//! oscillator   one mode over a step in which the force stays the same, exactly
-//! flight       a free body as a whole over a substep: what weight and its spin do
-//! motion       both together: where points are, how fast, and how what pushes at them moves the body
-//! candidate    points that meet obstacles, alone or as the mean of neighbours
-//! contact      which points meet which obstacles, and their springs
-//! hold         the hand and all contacts together, taken implicitly
-//! among        what contact with other bodies asks of modal ones
-//! substep      all of it, one body after another
-//! workspace    what they work in
-//! particles    of a modal body: where modes have them, and what modes take up of their motion
+//! oscillator   one mode over a step with a constant force: the exact solution
+//! flight       the rigid motion of a free body over a substep, by weight and spin
+//! motion       modes and rigid motion together: places and velocities of points, and how impulses there move the body
+//! candidate    contact candidates: points that meet obstacles, alone or as the mean of neighbours
+//! contact      finds the contacts of points with obstacles, and solves each
+//! hold         solves the hand and all contacts together, implicitly
+//! among        the side of modal bodies in contact between bodies
+//! substep      takes a substep of all modal bodies, one after another
+//! workspace    the buffers
+//! particles    places particles by the modes, and projects their motion onto modes
 //! ```
 //!
-//! What is constant of them (frequencies, shapes, the points that meet obstacles, inertia) is in `model`, how far each is from
-//! rest and how fast it goes, and where a free body is, in `state`.
+//! Constants (frequencies, shapes, the points that meet obstacles, inertia) are in `model`; amplitudes, rates and the rigid
+//! motion of free bodies are in `state`.
 //!
 //! # A substep
 //!
-//! The free solution `q*` is exact for gravity, so no step is too long and no frequency too high. What pushes at points is
-//! taken implicitly, as in `step::pull` and `contact::response`: an impulse `J` at points that modes move by `P` changes the end
-//! of the substep by
+//! The solution `q*` without impulses is exact for gravity, so no step is too long and no frequency too high. The hand and
+//! contacts are taken implicitly, as in `step::pull` and `contact::response`: an impulse `J` at points that modes move by
+//! `P` changes the end of the substep by
 //!
 //! ```text
 //!   Δq' = w Pᵀ J,   Δq = dt Δq'       w = 1 / (1 + dt c + dt² ω²)
 //! ```
 //!
-//! Contact is a penalty at surface points with critical damping, Coulomb friction, and no push that moves a point out of what
-//! it is in faster than half the body's size in a second. A plane is met by a held body from the side on which a point rests.
+//! Contact is a penalty at surface points with critical damping and Coulomb friction. A point that is deep in an obstacle is
+//! moved out no faster than half the body's size in a second. A held body meets a plane from the side on which the point is
+//! at rest.
 //!
-//! At rest on something the impulse takes back what weight did in the substep, so that the rate is not zero where nothing moves;
-//! what is seen to move and told to rest is the mean rate over a substep, `(q_end − q) / dt`.
+//! Where a body rests on something, the impulse takes back what weight did in the substep, so that the rate is not zero
+//! although nothing moves. The motion shown, and that by which rest is decided, is the mean rate over a substep,
+//! `(q_end − q) / dt`.
 //!
 //! # Free bodies
 //!
-//! A body that nothing holds swings about a place that moves and turns with it (D. Terzopoulos, A. Witkin, "Physically based models
-//! with rigid and deformable components", IEEE CG&A 8(6), 1988; A. Shabana, *Dynamics of Multibody Systems*, ch. 5):
+//! A body that nothing holds vibrates about a frame that moves and turns with it (D. Terzopoulos, A. Witkin, "Physically
+//! based models with rigid and deformable components", IEEE CG&A 8(6), 1988; A. Shabana, *Dynamics of Multibody Systems*,
+//! ch. 5):
 //!
 //! ```text
 //!   x = c + R (r + u − r_c)       u = Σ qᵢ φᵢ,   r at rest,   r_c the centre of mass at rest
 //! ```
 //!
-//! Modes have no part of the motion as a whole, so weight acts on that alone, and exactly. To an impulse moving and turning
-//! are six more modes without frequency, `P = e_k / √m` and `P = a_k × (r + u − r_c) / √I_k` of the principal axes `a_k`, in the
-//! frame in which the substep begins: momentum and angular momentum change by just the impulse and its moment.
+//! Modes contain no rigid motion, so weight acts on the rigid motion alone, and exactly. For an impulse, moving and turning
+//! are six more modes without frequency, `P = e_k / √m` and `P = a_k × (r + u − r_c) / √I_k` with the principal axes `a_k`,
+//! in the frame in which the substep begins: momentum and angular momentum change by just the impulse and its moment.
 //!
-//! Left out, as all of it is of second order in the swing or grows with the square of the spin: the Coriolis, centrifugal
-//! and Euler forces on modes (what spins is not stretched by it), what the swing itself has of angular momentum, and what it
-//! changes of the moments of inertia.
+//! Left out, as they are of second order in the vibration or grow with the square of the spin: the Coriolis, centrifugal and
+//! Euler forces on modes (spin does not stretch a body), the angular momentum of the vibration itself, and its effect on the
+//! moments of inertia.
 //!
-//! Contact differs in four things. A free body remembers on which side of planes and open meshes its points touch them. Where
-//! more of its points touch something than can be solved for, each group of neighbours is one contact, as stiff as all of
-//! them. Springs are damped as the highest mode is, as they stand for the give about a point that still higher ones would
-//! have: critical damping, which takes little from the particle of a cell, would take its bounce from the whole body. Friction
-//! and damping are against how fast a point is on the whole in the substep: at its end weight would have it creep.
+//! Contact of free bodies differs in four things. A free body remembers on which side of planes and open meshes its points
+//! touch them. Where more of its points touch something than can be solved for, each group of neighbours is one contact, as
+//! stiff as all of them. Contact springs have the damping ratio of the highest mode, as they stand for the local give that
+//! still higher modes would have: critical damping, which takes little from the particle of a cell, would take its bounce
+//! from the whole body. Friction and damping act against the mean velocity of a point in the substep: against that at the
+//! end, weight would make the body creep.
 //!
 //! # Other bodies
 //!
-//! Contact between bodies is that of their cells (`contact::bodies`): particles of the outside of a modal body in the cells of
-//! another, and the other way round. What it weighs of a modal body moves by all of its motions, and an impulse changes
-//! all of them at once: a row, as of a point at an obstacle. The rounds in which contacts between bodies are
-//! solved go through obstacles and hand of modal bodies too: what lies on a modal body that lies on a slope stays there. What
-//! is at rest is as good as held.
+//! Contact between bodies is that of their cells (`contact::bodies`): outer particles of a modal body in the cells of
+//! another, and the other way round. A weighted point of a modal body moves by all modes and rigid motions, and an impulse
+//! changes all of them at once: it has a row, as a point at an obstacle has. The rounds that solve contacts between bodies
+//! also go through obstacles and hand of modal bodies: a body that lies on a modal body on a slope stays there. A modal body
+//! at rest counts as held.
 //!
-//! Modal bodies move after the particles of a substep or a part of it have, against obstacles where these are then. It
-//! follows from the state alone and is worked out by one thread: the same bits everywhere.
+//! Modal bodies move after the particles in each part of a substep, against obstacles where these are in that part. Their
+//! motion follows from the state alone and is computed by one thread: the same bits everywhere.
 
 mod among;
 mod candidate;

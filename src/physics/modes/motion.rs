@@ -1,5 +1,4 @@
-//! A body over a substep, as its modes and, where nothing holds it, its weight and spin would move it without what pushes at
-//! points.
+//! The motion of a modal body over a substep without impulses: by its modes and, where nothing holds it, by weight and spin.
 
 use glam::{DMat3, DVec3};
 
@@ -17,7 +16,7 @@ pub(super) struct Ends<'a> {
     pub(super) rate: &'a [f64],
 }
 
-/// A body over a substep. In the body's coordinates as it begins where nothing else is said.
+/// A body over a substep. In the body's coordinates as the substep begins, unless stated otherwise.
 #[derive(Clone, Copy)]
 pub(super) struct Motion<'a, R: Real> {
     pub(super) body: &'a BodyModel<R>,
@@ -30,34 +29,36 @@ pub(super) struct Motion<'a, R: Real> {
     pub(super) now: &'a [f64],
     /// Where modes are at its end.
     pub(super) free: Ends<'a>,
-    /// A free body as a whole.
+    /// The rigid motion of a free body.
     pub(super) flight: Option<&'a Flight<'a>>,
     /// From the body's coordinates to the scene's.
     pub(super) turn: DMat3,
     /// The origin of the body's coordinates in the scene, m.
     pub(super) place: DVec3,
-    /// How long it is, s.
+    /// The length of the substep, s.
     pub(super) secs: f64,
 }
 
-/// A point over a substep.
+/// The motion of a point over a substep.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     /// Where it begins, m.
     pub(super) from: DVec3,
-    /// How far it goes, m.
+    /// Its displacement, m.
     pub(super) path: DVec3,
-    /// How fast it is at the end, m/s; of a free body, on the whole: weight would have it creep that is at rest.
+    /// Its velocity at the end, m/s; of a free body, its mean velocity: with that at the end, weight would make a body at
+    /// rest creep.
     pub(super) speed: DVec3,
 }
 
 impl<R: Real> Motion<'_, R> {
-    /// In how many ways the body moves.
+    /// The number of modes and rigid motions.
     pub(super) fn count(&self) -> usize {
         self.oscillators.len()
     }
 
-    /// How a point moves that is there at rest (m), whose row has how modes move it; what is after them in the row is filled.
+    /// The motion of a point that is at `rest` (m) in the body at rest. `row` holds its displacement by each mode; the rigid
+    /// motions after them are filled in.
     pub(super) fn way(&self, rest: DVec3, row: &mut [DVec3]) -> Way {
         let from = rest + sum(row, self.now);
         let Some(flight) = self.flight else {
@@ -70,7 +71,7 @@ impl<R: Real> Motion<'_, R> {
         Way { from, path, speed: path / self.secs }
     }
 
-    /// Where all particles are over the substep, m: none is outside this box in the scene.
+    /// A box in the scene that holds all particles over the substep, m.
     pub(super) fn around(&self) -> Aabb<f64> {
         let around = self.modal.bounds.grown(self.swing());
         let half = 0.5 * (around.max - around.min);
@@ -81,22 +82,22 @@ impl<R: Real> Motion<'_, R> {
         Aabb { min: middle - turned, max: middle + turned }.grown(carried)
     }
 
-    /// How fast it moves on the whole, m/s.
+    /// The mean velocity of the body as a whole, m/s.
     pub(super) fn drift(&self) -> DVec3 {
         self.flight.map_or(DVec3::ZERO, |flight| self.turn * flight.shift() / self.secs)
     }
 
-    /// No particle swings farther from where it is at rest, m.
+    /// A bound on the vibration of any particle about its place at rest, m.
     fn swing(&self) -> f64 {
         self.modal.swing(self.now.iter().zip(self.free.amplitude).map(|(now, then)| now.abs().max(then.abs())))
     }
 
-    /// Writes where particles are in the scene when the substep begins and when it ends, m: of all that belong to cells in which a
-    /// point of this region may be, and of others about.
+    /// Writes where particles are in the scene when the substep begins and when it ends, m. This is so for all cells in
+    /// which a point of this region may be; particles farther away are written as at rest.
     pub(super) fn look_ahead(&self, region: &Aabb<f64>, [now, ahead]: [&mut [DVec3]; 2]) {
         let modes = self.modal.modes.count();
         let (lattice, swing) = (&self.body.lattice, self.swing());
-        // A corner is no farther than this from what is in its cell, nor is it carried farther.
+        // No corner is farther than this from points in its cell, vibration and carrying included.
         let carried = self.flight.map_or(0.0, |flight| flight.reach(self.modal.bounds.grown(swing)));
         let region = region.grown(3.0_f64.sqrt() * lattice.grid.cell_size + 4.0 * swing + carried);
         for (particle, (now, ahead)) in now.iter_mut().zip(ahead).enumerate() {
@@ -117,12 +118,13 @@ impl<R: Real> Motion<'_, R> {
         }
     }
 
-    /// A place in the scene, m.
+    /// A place in the body's coordinates as one in the scene, m.
     pub(super) fn in_scene(&self, at: DVec3) -> DVec3 {
         self.place + self.turn * at
     }
 
-    /// Whether points in a box, whose modes are at the beginning or at the end, may come within these bounds in the scene, m.
+    /// Whether points of a box, which holds them at the beginning's and at the end's amplitudes, may come within these
+    /// bounds in the scene, m.
     pub(super) fn reaches(&self, around: Aabb<f64>, [min, max]: [DVec3; 2]) -> bool {
         let Self { turn, place, .. } = self;
         let half = 0.5 * (around.max - around.min);
@@ -134,10 +136,10 @@ impl<R: Real> Motion<'_, R> {
     }
 }
 
-/// Boxes are grown by this share of the body's size, for what rounding takes off them.
+/// Boxes are grown by this share of the body's size, for rounding errors.
 pub(super) const MARGIN: f64 = 1e-5;
 
-/// How far a point is moved by these amplitudes, m.
+/// The displacement of a point by these amplitudes, m.
 pub(super) fn sum(row: &[DVec3], amplitude: &[f64]) -> DVec3 {
     row.iter().zip(amplitude).fold(DVec3::ZERO, |sum, (way, q)| sum + *way * *q)
 }

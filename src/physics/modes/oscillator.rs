@@ -1,15 +1,16 @@
 //! One mode over a step in which the force stays the same: the exact solution.
 
-/// What a step does to an oscillator.
+/// The effect of a step on an oscillator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Oscillator {
-    /// What the amplitude is after the step for one of 1, and for a rate of 1, s.
+    /// The amplitude after the step for an amplitude of 1 before it, and for a rate of 1, s.
     amplitude: [f64; 2],
     /// The same of the rate, 1/s and without unit.
     rate: [f64; 2],
-    /// What a force of 1 adds to both.
+    /// What a force of 1 adds to amplitude and rate.
     force: [f64; 2],
-    /// What is left of an impulse at the end of the step, with what the mode resists it with taken implicitly.
+    /// The share of an impulse that is left in the rate at the end of the step, stiffness and damping of the mode taken
+    /// implicitly.
     pub(super) yields: f64,
 }
 

@@ -1,4 +1,4 @@
-//! A modal body, and its particles: where modes have them, and what modes take up of their motion.
+//! Places particles by the modes of their body, and projects the motion of particles onto modes.
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
@@ -8,8 +8,8 @@ use crate::physics::state::touch::SampleTouch;
 use crate::physics::state::{BodyMemory, ModalState, RigidState, State};
 
 impl ModalBody {
-    /// What the modes take up of the motion of particles that start where the body does, and how a free body moves as a whole
-    /// by it: with their momentum and angular momentum, turned by the polar decomposition of how they are moved.
+    /// Projects the motion of a body's particles onto its modes. A free body also gets their momentum and angular momentum,
+    /// and a rotation by the polar decomposition of their displacement.
     pub(in crate::physics) fn project<R: Real>(
         &self,
         body: &BodyModel<R>,
@@ -38,7 +38,7 @@ impl ModalBody {
         let masses = || (0..count).map(|particle| body.mass(particle).to_f64() / inertia.mass);
         let rest = |particle: usize| body.lattice.rest_position(particle) - inertia.center;
         let begin = self.place + self.turn * inertia.center;
-        // What starts is exactly there.
+        // Measured from the start, so that a body at its start is exactly there.
         let moved = |particle: usize| position[particle].to_dvec3() - body.start[particle].to_dvec3();
         let speed = |particle: usize| velocity[particle].to_dvec3();
         let shift: DVec3 = masses().enumerate().map(|(particle, share)| moved(particle) * share).sum();
@@ -71,7 +71,8 @@ impl ModalBody {
         state
     }
 
-    /// Adds what modes take up of the way and the velocity of a particle, in the body's coordinates.
+    /// Adds the part of a particle in the amplitudes and rates, from its displacement and velocity in the body's
+    /// coordinates.
     fn take_up<R: Real>(
         &self,
         body: &BodyModel<R>,
@@ -88,7 +89,7 @@ impl ModalBody {
         }
     }
 
-    /// Puts the particles of a body, among all of a scene, where a state has them: positions and velocities.
+    /// Writes the positions and velocities of a body's particles, among all of a scene, from a state.
     pub(super) fn put<R: Real>(
         &self,
         body: &BodyModel<R>,
@@ -99,7 +100,7 @@ impl ModalBody {
         self.place(body, state, [&mut position[own.clone()], &mut velocity[own]]);
     }
 
-    /// Puts particles where a state has them: positions and velocities.
+    /// Writes the positions and velocities of the body's particles from a state.
     fn place<R: Real>(&self, body: &BodyModel<R>, state: &ModalState, [position, velocity]: [&mut [R::Vec3]; 2]) {
         #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
         let single = |of: &[f64]| -> Vec<f32> { of.iter().map(|x| *x as f32).collect() };
@@ -124,7 +125,7 @@ impl ModalBody {
     }
 }
 
-/// Puts the particles of all modal bodies where these have them.
+/// Places the particles of all modal bodies by their modes.
 pub(in crate::physics) fn place<R: Real>(model: &Model<R>, state: &mut State<R>) {
     for (number, body) in model.bodies.iter().enumerate() {
         let Some(modal) = &body.modal else { continue };
@@ -139,8 +140,8 @@ pub(super) fn resting(memory: &BodyMemory, long_enough: u64) -> bool {
 }
 
 impl<R: Real> State<R> {
-    /// Has bodies of a model move by their modes that have any, from where their particles are and as these move; those that
-    /// move by as many already go on.
+    /// Makes the bodies of a model that have modes move by them, from the places and motion of their particles; bodies that
+    /// move by as many modes already go on.
     pub(in crate::physics) fn fit_modes(&mut self, model: &Model<R>) {
         self.modal.resize_with(model.bodies.len(), ModalState::default);
         for (number, body) in model.bodies.iter().enumerate() {
@@ -162,8 +163,8 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// Has the points of a free body touch planes and open meshes from the sides that its particles touched them from: those that
-    /// lay on the ground lie a little in it, and would be met from below.
+    /// Makes the points of a free body touch planes and open meshes from the sides from which its particles touched them:
+    /// points that lay on the ground lie a little in it, and would be met from below.
     fn touch_from_the_same_sides(&mut self, model: &Model<R>, number: usize) {
         let body = &model.bodies[number];
         let Some(points) = body.modal.as_ref().filter(|modal| modal.rigid.is_some()).map(|modal| &modal.points) else {

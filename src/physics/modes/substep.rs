@@ -18,10 +18,12 @@ use crate::physics::state::sleep::{self, STILL_SECS};
 use crate::physics::state::touch::SampleTouch;
 use crate::physics::state::{ModalState, State, fallen};
 
-/// A body is at rest that moves no faster than this, and is pushed to no faster within [`STILL_SECS`], body sizes a second.
+/// A body is still that moves no faster than this, and that forces would not make faster within [`STILL_SECS`], body sizes a
+/// second.
 const STILL: f64 = 1e-4;
 
-/// A body that swings farther than so many of its sizes has exploded: single precision has no places left for its shape.
+/// A body whose points vibrate farther than so many of its sizes has exploded: single precision has no digits left for its
+/// shape.
 const MOST_SIZES: f64 = 1e6;
 
 /// What modal bodies did in a substep.
@@ -35,7 +37,7 @@ pub(in crate::physics) struct ModalReport {
     pub(in crate::physics) is_finite: bool,
 }
 
-/// What modal bodies move under in a substep or a part of one.
+/// The inputs of modal bodies in a substep or a part of one.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct Inputs<'a, R: Real> {
     pub(in crate::physics) model: &'a Model<R>,
@@ -54,20 +56,20 @@ impl<'a, R: Real> Inputs<'a, R> {
         self.grab.filter(|grab| grab.body == body)
     }
 
-    /// Whether a body is a modal one that is not left alone.
+    /// Whether a body is a modal one that has to be moved.
     pub(super) fn moves(&self, body: usize, state: &State<R>) -> bool {
         let memory = &state.bodies[body];
         let is_left = !sleep::moves(self.model, self.plan, memory) && self.grab(body).is_none();
         memory.is_modal && !memory.gone && !is_left
     }
 
-    /// A free body as a whole over the substep, if nothing pushes it.
+    /// The rigid motion of a free body over the substep, without impulses.
     pub(super) fn flight(&self, modal: &'a ModalBody, own: &ModalState) -> Option<Flight<'a>> {
         let (inertia, now) = (modal.rigid.as_ref()?, own.rigid?);
         Some(Flight::free(inertia, now, self.model.gravity.to_dvec3(), self.secs))
     }
 
-    /// A body over the substep, if nothing pushes it.
+    /// The motion of a body over the substep, without impulses.
     pub(super) fn motion<'b>(
         &self,
         (number, modal): (usize, &'b ModalBody),
@@ -86,9 +88,9 @@ impl<'a, R: Real> Inputs<'a, R> {
     }
 }
 
-/// Moves all modal bodies over a substep, or a part of it which it may end with; those that met other bodies by what these
-/// made of it ([`super::among`]). None comes to rest that `waits` for another. Where a number would not be finite or a body has
-/// exploded, nothing of that body is changed.
+/// Moves all modal bodies over a substep or a part of it; `is_last` says whether the substep ends with it. Bodies that met
+/// others move by the impulses found then ([`super::among`]). A body that `waits` for another does not come to rest. Where a
+/// number would not be finite or a body has exploded, nothing of that body is changed.
 pub(in crate::physics) fn advance<R: Real>(
     inputs: Inputs<'_, R>,
     is_last: bool,
@@ -164,8 +166,8 @@ pub(in crate::physics) fn advance<R: Real>(
     report
 }
 
-/// Finds where a body goes in a substep if nothing pushes it, what obstacles it meets there and where a hand pulls it; unless
-/// that is known.
+/// Finds the motion of a body over a substep without impulses, its contacts with obstacles and the pull of a hand, unless
+/// that is done already.
 pub(super) fn begin<R: Real>(
     inputs: Inputs<'_, R>,
     (number, modal): (usize, &ModalBody),
@@ -192,7 +194,7 @@ pub(super) fn begin<R: Real>(
     (*is_begun, *is_met) = (true, false);
 }
 
-/// Where modes are at the end of a substep without what pushes. Weight moves a free body as a whole alone.
+/// Finds the modes at the end of a substep without impulses. In a free body weight acts on the rigid motion alone.
 fn swing(
     modal: &ModalBody,
     own: &ModalState,
@@ -207,7 +209,7 @@ fn swing(
     }
 }
 
-/// The same with what pushed.
+/// The modes at the end with impulses.
 fn pushed<'a>(free: Ends<'_>, change: &[f64], secs: f64, [amplitude, rate]: &'a mut [Vec<f64>; 2]) -> Ends<'a> {
     let count = free.rate.len();
     for mode in 0..count {
@@ -224,8 +226,8 @@ fn is_sound<R: Real>(body: &BodyModel<R>, modal: &ModalBody, end: Ends<'_>, flig
     swings_soundly && flight.is_none_or(Flight::is_sound)
 }
 
-/// Has a body be where a substep left it. Tells how fast its points moved at most, m/s, and by how much what pushes changes
-/// that in a second, m/s².
+/// Sets a body to the end of a substep. Returns bounds on the mean speed of its points, m/s, and on the change of their
+/// velocity in a second, m/s².
 fn take_over(
     own: &mut ModalState,
     modal: &ModalBody,
@@ -251,7 +253,7 @@ fn touches_of(touches: &[SampleTouch], body: usize) -> &[SampleTouch] {
     &touches[first..end]
 }
 
-/// Has a body touch what it does now.
+/// Replaces the touches of a body.
 fn remember(now: &[SampleTouch], body: usize, touches: &mut Vec<SampleTouch>) {
     if now.is_empty() && touches_of(touches, body).is_empty() {
         return;

@@ -1,4 +1,4 @@
-//! What modal bodies work in.
+//! The workspace of modal bodies.
 
 use glam::DVec3;
 
@@ -10,15 +10,14 @@ use crate::math::Real;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 
-/// What modal bodies work in: allocated once, meaningless between substeps.
+/// The workspace of modal bodies: allocated once, meaningless between substeps.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct ModalWorkspace {
     /// The length of a substep, s.
     pub(super) secs: f64,
-    /// Of every body, its modes over a substep and the motions of a free one as a whole; none of a body that moves by its
-    /// cells.
+    /// Of every body its modes over a substep, then the rigid motions of a free one; none of a body that moves by its cells.
     pub(super) oscillators: Vec<Vec<Oscillator>>,
-    /// What every body does in a substep.
+    /// The work on every body in a substep.
     pub(super) works: Vec<Work>,
     /// Amplitudes and rates of the body under work at the end.
     pub(super) end: [Vec<f64>; 2],
@@ -26,14 +25,14 @@ pub(in crate::physics) struct ModalWorkspace {
     pub(super) row: Vec<DVec3>,
 }
 
-/// What a body does in a substep: nothing of one that moves by its cells.
+/// The work on a body in a substep; empty for a body that moves by its cells.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Work {
-    /// Whether what follows is of the substep under way.
+    /// Whether the other fields are of the substep under way.
     pub(super) is_begun: bool,
-    /// Amplitudes and rates at the end without what pushes at points.
+    /// Amplitudes and rates at the end without impulses.
     pub(super) free: [Vec<f64>; 2],
-    /// What that changes of the rates, m √kg / s.
+    /// The change of the rates by impulses, m √kg / s.
     pub(super) change: Vec<f64>,
     pub(super) contacts: ModalContacts,
     pub(super) hand: Hand,
@@ -81,7 +80,7 @@ impl ModalWorkspace {
         self.works.iter_mut().for_each(|work| work.is_begun = false);
     }
 
-    /// Has the modes swing in substeps of another length, s.
+    /// Fits the modes to substeps of another length, s.
     pub(super) fn follow<R: Real>(&mut self, model: &Model<R>, secs: f64) {
         #[expect(clippy::float_cmp, reason = "the same length or another")]
         if self.secs != secs {
@@ -94,7 +93,7 @@ impl ModalWorkspace {
     }
 }
 
-/// Of every body its modes over a substep and the motions of a free one as a whole, none of one that moves by its cells.
+/// Of every body its modes over a substep, then the rigid motions of a free one; none of one that moves by its cells.
 fn oscillators<R: Real>(model: &Model<R>, secs: f64) -> Vec<Vec<Oscillator>> {
     model.bodies.iter().map(|body| motions(body, secs).collect()).collect()
 }

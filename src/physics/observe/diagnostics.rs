@@ -21,7 +21,7 @@ use crate::physics::step::substep::Part;
 use crate::physics::step::{Ending, Inputs, StepWorkspace, substep};
 use crate::physics::stepping;
 
-/// So little of a substep that nothing moves in it.
+/// A share of a substep so small that nothing moves in it.
 const INSTANT: f64 = 1e-6;
 
 /// The state of a simulation in numbers, SI units.
@@ -29,9 +29,9 @@ const INSTANT: f64 = 1e-6;
 pub struct Diagnostics {
     /// Energies.
     pub energy: Energy,
-    /// What the energy of motion has past the product of the velocities half a step before and after, `½ m v₋·v₊`, J; none
-    /// where velocities are those of the positions' time. A leapfrog scheme keeps the energy without it, exactly where a
-    /// body vibrates by little (Hairer, Lubich and Wanner, "Geometric Numerical Integration", 2006, I.5).
+    /// The excess of the kinetic energy over `½ m v₋·v₊`, the product of the velocities half a step before and after, J;
+    /// zero where velocities are those of the positions' time. A leapfrog scheme keeps the energy without this excess,
+    /// exactly where a body vibrates by little (Hairer, Lubich and Wanner, "Geometric Numerical Integration", 2006, I.5).
     pub half_step: f64,
     /// Mass of all bodies, kg.
     pub mass_kg: f64,
@@ -74,18 +74,18 @@ impl Energy {
 }
 
 impl Diagnostics {
-    /// Of a state.
+    /// Computes the diagnostics of a state.
     pub fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Self {
         Ahead::of(model, plan, state).diagnostics(0..model.bodies.len())
     }
 
-    /// Of one body in a state.
+    /// Computes those of one body in a state.
     pub fn of_body<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize) -> Self {
         Ahead::of(model, plan, state).diagnostics(body..body + 1)
     }
 
-    /// Of every body in a state, for little more than of one; and the pairs that push each other in the coming substep, of
-    /// which the velocities at the state's time have a share.
+    /// Computes those of every body in a state, for little more than those of one; and the pairs of bodies that push each
+    /// other in the coming substep, as a part of that push is in the velocities at the state's time.
     pub(in crate::physics) fn of_each<R: Real>(
         model: &Model<R>,
         plan: &Plan,
@@ -110,8 +110,8 @@ impl Diagnostics {
     }
 }
 
-/// A state and the substep that comes next: a velocity half a step behind its position has the mean of it and the next
-/// one on time, and contact is found on the way.
+/// A state and the substep after it. Where velocities are half a step behind positions, the velocity on time is the mean of
+/// the present and the next one; contacts are found on the way.
 struct Ahead<'a, R: Real> {
     model: &'a Model<R>,
     state: &'a State<R>,
@@ -121,20 +121,20 @@ struct Ahead<'a, R: Real> {
     met: Vec<[usize; 2]>,
     /// Whether the velocities of the state are those at its time.
     is_on_time: bool,
-    /// The share of the change of velocity that is over at the state's time.
+    /// The share of the change of velocity in the substep that is made by the state's time.
     share: f64,
 }
 
 impl<'a, R: Real> Ahead<'a, R> {
     fn of(model: &'a Model<R>, plan: &'a Plan, state: &'a State<R>) -> Self {
-        // The next velocity is had by taking the substep, or the part of it that comes next, on a copy.
+        // To find the next velocity, the substep, or the part of it that comes next, is taken on a copy.
         let mut next = state.clone();
         // A sleeping body's contacts are found, too.
         next.bodies.iter_mut().for_each(BodyMemory::wake);
         let is_on_time = schemes::is_on_time(plan, state);
         let mut workspace;
         let (way, part) = if is_on_time {
-            // Only what touches is asked for: any scheme finds it, at the least cost.
+            // Only contacts are needed: any scheme finds them, so the cheapest is taken.
             let whole = stepping::whole(plan);
             let way = Plan { scheme: Scheme::SemiImplicit, halvings: 0, ..plan.clone() };
             workspace = StepWorkspace::new(model, &way);
@@ -159,7 +159,7 @@ impl<'a, R: Real> Ahead<'a, R> {
         if asleep || self.is_on_time { now } else { now + self.share * (self.next.velocity[particle].to_dvec3() - now) }
     }
 
-    /// [`Diagnostics::half_step`] of a particle for each kg.
+    /// [`Diagnostics::half_step`] of a particle, per kg.
     fn half_step(&self, particle: usize, asleep: bool) -> f64 {
         if asleep || self.is_on_time {
             return 0.0;
@@ -192,7 +192,7 @@ impl<'a, R: Real> Ahead<'a, R> {
         for (body, memory) in model.bodies[bodies.clone()].iter().zip(&state.bodies[bodies.clone()]) {
             for (local, particle) in body.particles.clone().enumerate() {
                 let mass = body.mass(local).to_f64();
-                // What rounding has kept back from a position is part of where the particle is.
+                // The rounding error kept beside a position is part of it.
                 let position = state.position[particle].to_dvec3() + state.position_residual[particle].to_dvec3();
                 let velocity = self.centred_velocity(particle, memory.asleep);
                 sum.mass_kg += mass;
@@ -222,7 +222,7 @@ impl<'a, R: Real> Ahead<'a, R> {
             sum.energy.contact += body.contacts[contact.obstacle].to_f64().energy(-contact.gap.to_f64());
         }
         for press in &state.presses {
-            // Of one body among others that whose point is inside another.
+            // Counts for the body whose point is inside the other.
             if bodies.contains(&press.bodies[0]) {
                 sum.energy.contact += pair_law(model, press.bodies).energy(press.depth_m);
             }

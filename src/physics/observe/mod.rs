@@ -1,4 +1,4 @@
-//! What is to be seen of a simulation: energies, what particles can be coloured by, whether a step ran away.
+//! Observes a simulation: energies, scalars to colour particles by, detection of explosions.
 
 pub(in crate::physics) mod diagnostics;
 pub(in crate::physics) mod runaway;

@@ -1,10 +1,10 @@
-//! An explosion, told before its numbers stop being finite: so that it is stopped while there is something to see.
+//! Detects an explosion before its numbers stop being finite, so that it is stopped while there is something to see.
 
 use crate::math::{Real, Vector};
 use crate::physics::kernels::{SimdLevel, bounds};
 use crate::physics::model::Model;
 
-/// A particle that moves by more than this share of its body's size in one step, past the body's own motion, has left
+/// A particle that moves by more than this share of its body's size in one step, relative to the body's own motion, has left
 /// all bounds: a sound step moves it by a small part of a link.
 const LONGEST_SHARE: f64 = 0.25;
 
@@ -13,7 +13,7 @@ pub(crate) fn runs_away<R: Real>(model: &Model<R>, level: SimdLevel, dt: R, velo
     model.bodies.iter().any(|body| {
         let own = &velocity[body.particles.clone()];
         let longest = R::from_f64(LONGEST_SHARE) * body.size;
-        // None of them is further from their mean than the box around all of them is long, and that is cheap to know.
+        // No velocity is further from their mean than the diagonal of the box around them, which is cheap to find.
         let bounds = bounds::<R>(level, own);
         if (bounds.max - bounds.min).length() * dt <= longest {
             return false;

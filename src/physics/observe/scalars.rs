@@ -5,7 +5,7 @@ use crate::physics::model::{BodyModel, Values};
 use crate::physics::observe::diagnostics::link_loads;
 use crate::physics::simulation::Simulation;
 
-/// What every particle has a number of.
+/// A scalar of every particle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The mean magnitude of the forces of its links, N.
@@ -16,7 +16,7 @@ pub enum Quantity {
     NetForce,
     /// The largest magnitude of strain among its links, %.
     Strain,
-    /// m/s.
+    /// The speed, m/s.
     Speed,
     /// The magnitude of the force of obstacles and of other bodies, N.
     ContactForce,

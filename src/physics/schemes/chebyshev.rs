@@ -2,7 +2,7 @@
 //! an explicit solver for parabolic PDEs", J. Comput. Appl. Math. 88, 1997).
 //!
 //! With Chebyshev's polynomials `T_j` of the first kind, `w0 = 1 + ε/s²`, `w1 = T_s'(w0)/T_s''(w0)`, `b_j = T_j''/(T_j')²`
-//! and `a_j = 1 − b_j T_j`, all at w0, s stages multiply what goes by `y' = λ y` in a step h by
+//! and `a_j = 1 − b_j T_j`, all at w0, s stages multiply a solution of `y' = λ y` in a step h by
 //!
 //! ```text
 //! P_s(z) = a_s + b_s T_s(w0 + w1 z),   z = h λ,   |P_s| ≤ 1 for −β ≤ z ≤ 0,   β = (1 + w0)/w1 ≈ 0.65 s²
@@ -11,14 +11,14 @@
 /// ε: how much the polynomials are damped.
 const DAMPING: f64 = 2.0 / 13.0;
 
-/// The fewest stages: with fewer a step is no longer a stage than one of semi-implicit Euler.
+/// The fewest stages: with fewer, a step divided by its stages is no longer than a step of semi-implicit Euler.
 pub(in crate::physics) const FEWEST_STAGES: u32 = 4;
 
 /// The most stages.
 pub(in crate::physics) const MOST_STAGES: u32 = 16;
 
-/// The largest disc that lies within the region of stability and touches its end at 0 has this radius, for any number of
-/// stages that is used.
+/// The radius of the largest disc that lies within the stability region and touches its end at 0, for any number of stages
+/// that is used.
 pub(in crate::physics) const DISC_RADIUS: f64 = 2.0;
 
 /// A polynomial `T_j` and its first two derivatives at w0.
@@ -51,7 +51,7 @@ impl Chebyshev {
     }
 }
 
-/// What a stage is made of: `y_j − y_0 = last (y_(j−1) − y_0) + before (y_(j−2) − y_0) + h (slope f_(j−1) + first f_0)`.
+/// The weights of a stage: `y_j − y_0 = last (y_(j−1) − y_0) + before (y_(j−2) − y_0) + h (slope f_(j−1) + first f_0)`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stage {
     pub(super) last: f64,
@@ -61,7 +61,7 @@ pub(super) struct Stage {
 }
 
 impl Stage {
-    /// `y_j − y_0` of a number, from those of the stages before and the slopes in steps.
+    /// Returns `y_j − y_0` of one number, from that of the two stages before and the slopes times h.
     pub(super) fn next(&self, before: f64, last: f64, slope: f64, first: f64) -> f64 {
         self.last * last + self.before * before + self.slope * slope + self.first * first
     }
@@ -72,13 +72,13 @@ impl Stage {
 pub(super) struct Stages {
     w0: f64,
     w1: f64,
-    /// `b_j` of the last two.
+    /// `b_j` of the last two stages.
     weights: [f64; 2],
     polynomials: [Chebyshev; 2],
 }
 
 impl Stages {
-    /// How far the first of so many stages goes along the slope at the state, in steps; and those that follow.
+    /// Returns how far the first of `count` stages goes along the slope at the state, in steps, and the stages that follow.
     pub(super) fn new(count: u32) -> (f64, Self) {
         let (w0, last) = last(count);
         let w1 = last.slope / last.curvature;
@@ -88,7 +88,7 @@ impl Stages {
         (w1 / w0, Self { w0, w1, weights, polynomials })
     }
 
-    /// The next stage.
+    /// Returns the next stage.
     pub(super) fn next(&mut self) -> Stage {
         let [before, last] = self.polynomials;
         let polynomial = Chebyshev::next(self.w0, [before, last]);
@@ -107,7 +107,7 @@ impl Stages {
     }
 }
 
-/// `w0` of so many stages, and the last polynomial there.
+/// Returns `w0` for `count` stages, and the last polynomial there.
 fn last(count: u32) -> (f64, Chebyshev) {
     let w0 = 1.0 + DAMPING / (f64::from(count) * f64::from(count));
     let mut polynomials = Chebyshev::first(w0);
@@ -117,13 +117,13 @@ fn last(count: u32) -> (f64, Chebyshev) {
     (w0, polynomials[1])
 }
 
-/// β of so many stages: how far along the negative axis they are stable.
+/// Returns β: how far along the negative axis this many stages are stable.
 pub(in crate::physics) fn reach(stages: u32) -> f64 {
     let (w0, last) = last(stages);
     (1.0 + w0) * last.curvature / last.slope
 }
 
-/// The fewest stages that reach so far along the negative axis, or the most there are.
+/// Returns the fewest stages that reach this far along the negative axis, or the most there are.
 pub(in crate::physics) fn stages_for(along: f64) -> u32 {
     (FEWEST_STAGES..MOST_STAGES).find(|&stages| reach(stages) >= along).unwrap_or(MOST_STAGES)
 }
@@ -139,7 +139,7 @@ mod tests {
         [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
     }
 
-    /// What so many stages multiply by, stage by stage as a step takes them.
+    /// Returns the factor that `stages` stages multiply by, stage by stage as a step takes them.
     fn factor(stages: u32, z: Complex) -> f64 {
         let (ahead, mut rest) = Stages::new(stages);
         let [mut before, mut last] = [[0.0; 2], z.map(|part| ahead * part)];

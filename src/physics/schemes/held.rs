@@ -1,4 +1,4 @@
-//! What the stabilised scheme takes through all stages of a substep: particles that an obstacle pushes.
+//! Particles that an obstacle pushes, as the stabilised scheme takes them through all stages of a substep.
 
 use crate::math::{Real, Vector};
 
@@ -7,19 +7,19 @@ use crate::math::{Real, Vector};
 pub(in crate::physics) struct Held<R: Real> {
     /// The particle, in the state's arrays.
     pub(in crate::physics) particle: usize,
-    /// The velocity it has as far as it is held, m/s.
+    /// Its velocity in the directions in which it is held, m/s.
     pub(in crate::physics) velocity: R::Vec3,
-    /// How one surface touches it; where that is nothing it is held in every direction.
+    /// Its contact with the one surface that pushes it; if none, it is held in every direction.
     pub(in crate::physics) touch: Option<SurfaceContact<R>>,
-    /// What brought it to its velocities, N·s.
+    /// The impulse that brought it to the velocity it is held at, N·s.
     pub(in crate::physics) push: R::Vec3,
     /// Its mass, kg.
     pub(super) mass: R,
-    /// The velocity it slides with when the substep begins, m/s.
+    /// Its sliding velocity when the substep begins, m/s.
     pub(super) sliding: R::Vec3,
-    /// What contact took from it until the stage before the last, and until the last, N·s.
+    /// The impulse that contact took from it up to the stage before the last, and up to the last, N·s.
     pub(super) taken: [R::Vec3; 2],
-    /// The same at the state and at the last stage, N.
+    /// The force that contact takes from it at the state and at the last stage, N.
     pub(super) taking: [R::Vec3; 2],
 }
 
@@ -30,24 +30,23 @@ pub(in crate::physics) struct SurfaceContact<R: Real> {
     pub(in crate::physics) normal: R::Vec3,
     /// The surface's own velocity, m/s.
     pub(in crate::physics) surface_velocity: R::Vec3,
-    /// What pushes along the normal; where that is nothing the particle is held.
+    /// The spring that pushes along the normal; if none, the particle is held along it.
     pub(in crate::physics) spring: Option<ContactSpring<R>>,
-    /// What it does along the surface.
+    /// Friction along the surface.
     pub(in crate::physics) friction: HeldFriction<R>,
 }
 
-/// What friction does to a particle along a surface, by Coulomb's coefficients.
+/// Friction on a particle along a surface, with Coulomb's coefficients.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) enum HeldFriction<R: Real> {
-    /// It is held as long as it is pulled at with no more than static friction bears; what is stronger is dynamic friction
-    /// against it.
+    /// The particle is held as long as static friction bears what pulls at it; otherwise dynamic friction opposes the pull.
     Sticks {
         /// Of static friction.
         coefficient: R,
         /// Of dynamic friction.
         dynamic: R,
     },
-    /// It is braked with this coefficient of dynamic friction.
+    /// The particle is braked with this coefficient of dynamic friction.
     Slides(R),
 }
 
@@ -60,7 +59,7 @@ pub(in crate::physics) struct ContactSpring<R: Real> {
     pub(in crate::physics) damping: R,
     /// Distance from the surface when the substep begins, m.
     pub(in crate::physics) gap: R,
-    /// Deeper than this it pushes no harder, m.
+    /// The depth beyond which it pushes no harder, m.
     pub(in crate::physics) depth_limit: R,
 }
 
@@ -69,7 +68,7 @@ pub(in crate::physics) struct ContactSpring<R: Real> {
 pub(super) struct AtStage<R: Real> {
     /// Time since the substep began, s.
     pub(super) secs: R,
-    /// How far it has moved since, m.
+    /// How far it has moved since then, m.
     pub(super) moved: R::Vec3,
     /// m/s.
     pub(super) velocity: R::Vec3,
@@ -78,12 +77,12 @@ pub(super) struct AtStage<R: Real> {
 }
 
 impl<R: Real> SurfaceContact<R> {
-    /// The part of a vector along the surface.
+    /// Returns the part of a vector along the surface.
     fn across(&self, of: R::Vec3) -> R::Vec3 {
         of - self.normal * of.dot(self.normal)
     }
 
-    /// What the spring pushes with, N.
+    /// Returns the push of the spring, N.
     fn pushing(&self, spring: &ContactSpring<R>, at: &AtStage<R>) -> R {
         let depth = (self.surface_velocity * at.secs - at.moved).dot(self.normal) - spring.gap;
         let leaving = (at.velocity - self.surface_velocity).dot(self.normal);
@@ -93,7 +92,7 @@ impl<R: Real> SurfaceContact<R> {
 }
 
 impl<R: Real> Held<R> {
-    /// A particle of this mass (kg) as it is pushed in the coming substep.
+    /// Makes a particle of this mass (kg) that is pushed in the coming substep.
     pub(in crate::physics) fn new(
         particle: usize,
         mass: R,
@@ -104,14 +103,14 @@ impl<R: Real> Held<R> {
         Self { particle, velocity, touch, mass, sliding: zero, push: zero, taken: [zero; 2], taking: [zero; 2] }
     }
 
-    /// The part of a vector that it is held along.
+    /// Returns the part of a vector in the directions in which the particle is held.
     pub(super) fn part(&self, of: R::Vec3) -> R::Vec3 {
         let Some(touch) = &self.touch else { return of };
         let along = if touch.spring.is_none() { touch.normal * of.dot(touch.normal) } else { R::Vec3::ZERO };
         if let HeldFriction::Sticks { .. } = touch.friction { along + touch.across(of) } else { along }
     }
 
-    /// Gives it the velocity that it begins with, which was another.
+    /// Changes the particle's velocity as the substep begins to the one it is held at.
     pub(super) fn begin(&mut self, velocity: &mut R::Vec3) {
         let change = self.part(self.velocity - *velocity);
         *velocity += change;
@@ -120,10 +119,11 @@ impl<R: Real> Held<R> {
         self.sliding = self.touch.as_ref().map_or(R::Vec3::ZERO, past);
     }
 
-    /// What contact takes from the force on it in a substep of `dt` (s), N: all of it along which it is held, what its
-    /// spring does against it, and friction, which is never more than Coulomb's. What slides is braked by the speed it began
-    /// with, as a brake by the speed of every stage can keep a particle at a speed without moving it. What is so slow that it
-    /// would be stopped faster than at this `rate` (1/s) begins to slide: friction is against what pulls at it.
+    /// Returns what contact takes from the force on the particle in a substep of `dt` (s), N: all of it in directions in
+    /// which it is held, the push of the spring, and friction of at most Coulomb's limit. A sliding particle is braked in
+    /// proportion to the speed it began with: a brake by the speed at each stage can keep a particle at a speed without
+    /// moving it. A particle so slow that this would stop it faster than at `rate` (1/s) only begins to slide: friction
+    /// opposes what pulls at it.
     pub(super) fn take(&self, at: &AtStage<R>, dt: R, rate: R) -> R::Vec3 {
         let Some(touch) = &self.touch else { return at.force };
         let along = at.force.dot(touch.normal);
@@ -137,7 +137,7 @@ impl<R: Real> Held<R> {
         let pulling = touch.across(at.force);
         let friction = match touch.friction {
             HeldFriction::Sticks { coefficient, dynamic } => {
-                // What stopped it was friction, too.
+                // The impulse that stopped it was friction, too.
                 let stopping = touch.across(self.push) * (R::ONE / dt);
                 let needed = pulling - stopping;
                 let is_held = needed.length() <= coefficient * pressing;
@@ -156,35 +156,35 @@ impl<R: Real> Held<R> {
         touch.normal * taken + friction
     }
 
-    /// The mean force of what pushed it in a substep of `dt` (s) that is over, N.
+    /// Returns the mean force of contact over a past substep of `dt` (s), N.
     pub(in crate::physics) fn mean_force(&self, dt: R) -> R::Vec3 {
         (self.push - self.taken[1]) * (R::ONE / dt)
     }
 }
 
-/// A vector, cut off at a length.
+/// Returns a vector, cut off at a length.
 fn no_longer_than<R: Real>(of: R::Vec3, most: R) -> R::Vec3 {
     let length = of.length();
     if most < length { of * (most / length) } else { of }
 }
 
-/// What the stages are worked out in, by particle; of no length with other schemes.
+/// The workspace of the stages, by particle; empty with other schemes.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct StageWorkspace<R: Real> {
-    /// What is held, by particle.
+    /// The held particles, ascending.
     pub(in crate::physics) held: Vec<Held<R>>,
-    /// Velocities at the start, m/s: what is held has the one it is held at.
+    /// Velocities at the start, m/s: held particles have the one they are held at.
     pub(super) start: Vec<R::Vec3>,
-    /// Forces at the start but of what is held, N.
+    /// Forces at the start less what contact takes, N.
     pub(super) first: Vec<R::Vec3>,
-    /// How far from the state the stage before the last is, and the last, m.
+    /// How far the stage before the last and the last stage are from the state, m.
     pub(super) moved: [Vec<R::Vec3>; 2],
-    /// The same of velocities, from those at the start, m/s.
+    /// The same for velocities, from those at the start, m/s.
     pub(super) changed: [Vec<R::Vec3>; 2],
 }
 
 impl<R: Real> StageWorkspace<R> {
-    /// For so many particles, of which so many may be held.
+    /// Allocates room for a number of particles, of which at most `most_held` are held.
     pub(super) fn new(particles: usize, most_held: usize) -> Self {
         let room = || vec![R::Vec3::ZERO; particles];
         let held = Vec::with_capacity(most_held);

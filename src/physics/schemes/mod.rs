@@ -1,12 +1,12 @@
 //! The schemes that advance positions and velocities by a substep (GC §4.1), one file each.
 //!
-//! A scheme is given the forces at the state and predicts the velocities at the end of the substep. Contact changes
-//! them, once. Schemes that move particles by another velocity than that, or evaluate forces again on the way, then go
-//! through the substep with what contact did as a force that stays: so that what rests, rests. A particle that was
-//! pushed moves with the velocity contact left it, through all stages of RK2 and RK4: what is pushed takes steps of
-//! leapfrog, and those around it see where it goes. Were it to follow its links from stage to stage, it would push on them
-//! with `h³/24 d³x/dt³` of its own, against the damping: in an undamped body vibrations would grow. A scheme never writes to
-//! the state, but for what it must remember once a substep is accepted, and knows nothing of obstacles.
+//! A scheme is given the forces at the state and predicts the velocities at the end of the substep. Contact changes them,
+//! once. Some schemes move particles with another velocity, or evaluate forces again on the way. They then go through the
+//! substep once more, with the change by contact as a constant force, so that a body at rest stays at rest. A particle that
+//! contact pushed keeps the velocity contact left it through all stages of RK2 and RK4: it takes leapfrog steps, and its
+//! neighbours see where it goes. If it followed its links from stage to stage, it would push on them with an error of its
+//! own, `h³/24 d³x/dt³`, against the damping: in an undamped body vibrations would grow. A scheme never writes to the state,
+//! except for what it must remember once a substep is accepted, and knows nothing of obstacles.
 //!
 //! ```text
 //! semi-implicit Euler   v' = v + dt a(x, v)                  x' = x + dt v'
@@ -42,7 +42,7 @@ use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 
 impl<R: Real> Stepper<'_, R> {
-    /// Writes the velocities at the end of the substep as the forces at the state predict them.
+    /// Writes the velocities that the forces at the state predict for the end of the substep.
     pub(super) fn predict(&mut self, velocity: &mut [R::Vec3]) {
         if self.substep.scheme == Scheme::Stabilised {
             stabilised::predict(self, velocity);
@@ -56,7 +56,7 @@ impl<R: Real> Stepper<'_, R> {
         }
     }
 
-    /// Writes the velocities with which every particle would fall freely, as if it had no links.
+    /// Writes the velocities of particles in free fall, as if they had no links.
     pub(super) fn fall(&self, velocity: &mut [R::Vec3]) {
         velocity.copy_from_slice(&self.substep.state.velocity);
         for body in &self.substep.model.bodies {
@@ -68,8 +68,8 @@ impl<R: Real> Stepper<'_, R> {
         }
     }
 
-    /// Writes the velocities at the end of the substep as the implicit scheme solves for them, contact and pull included;
-    /// gives up where it is asked to.
+    /// Writes the velocities at the end of the substep from the implicit scheme's equations, contact and the hand's pull
+    /// included; gives up if asked to stop.
     pub(super) fn solve(
         &mut self,
         constraints: &mut [ContactConstraint],
@@ -79,10 +79,10 @@ impl<R: Real> Stepper<'_, R> {
         implicit::solve(self, constraints, velocity, recorder);
     }
 
-    /// Goes through the substep once more for the schemes that move particles by another velocity than that at its end:
-    /// writes both. What changed the predicted velocities on the way goes on as a constant force. A particle that was pushed
-    /// keeps, in all stages of RK2 and RK4 and to the end, the velocity that this gave it, unless it is one that other bodies
-    /// alone have `moved`: their contact gives as much as it takes, and so must what comes of it.
+    /// Goes through the substep once more for schemes that move particles with another velocity than that at its end: writes
+    /// both velocities. The change of the predicted velocities acts as a constant force. A particle that was pushed keeps
+    /// the velocity that this gave it, in all stages of RK2 and RK4 and to the end. Particles that other bodies alone have
+    /// `moved` do not: contact between bodies gives as much momentum as it takes, and so must what follows from it.
     pub(super) fn refine(&mut self, velocity: &mut [R::Vec3], moved: &[(usize, R::Vec3)], recorder: &mut Recorder<'_>) {
         if self.substep.scheme == Scheme::Stabilised {
             stabilised::refine(self, velocity, recorder);
@@ -108,7 +108,7 @@ impl<R: Real> Stepper<'_, R> {
         }
     }
 
-    /// Lists the particles whose predicted velocities were changed, by more than other bodies.
+    /// Lists the particles whose predicted velocities were changed, except those that only other bodies changed.
     fn note_pushed(&mut self, moved: &[(usize, R::Vec3)]) {
         let SchemeWorkspace { predicted, after_contact, pushed, .. } = &mut *self.workspace;
         pushed.clear();
@@ -128,7 +128,7 @@ impl<R: Real> Stepper<'_, R> {
     }
 }
 
-/// Whether the state's velocity is that at the position's time.
+/// Whether the state's velocity belongs to the same time as its position.
 pub(super) fn is_on_time<R: Real>(plan: &Plan, state: &State<R>) -> bool {
     match plan.scheme {
         Scheme::SemiImplicit => false,
@@ -137,13 +137,13 @@ pub(super) fn is_on_time<R: Real>(plan: &Plan, state: &State<R>) -> bool {
     }
 }
 
-/// The share of the change of velocity in the coming substep that is over at the position's time.
+/// Returns the share of the coming substep's change of velocity that is past at the position's time.
 pub(super) fn share_to_center<R: Real>(state: &State<R>, ahead: &State<R>) -> f64 {
     let [before, after] = [state.velocity_lag_secs, ahead.velocity_lag_secs];
     if before > 0.0 && after > 0.0 { before / (before + after) } else { 0.5 }
 }
 
-/// The velocities with which the damping at the state is evaluated.
+/// Returns the velocities with which the damping at the state is evaluated.
 pub(super) fn damping_velocity<'a, R: Real>(
     scheme: Scheme,
     state: &'a State<R>,
@@ -155,8 +155,8 @@ pub(super) fn damping_velocity<'a, R: Real>(
     }
 }
 
-/// Remembers what the next substep of the plan's scheme needs of one that was accepted: of a part that another took,
-/// nothing.
+/// Remembers what the next substep of the plan's scheme needs of an accepted one: nothing of a part that another scheme
+/// took.
 pub(super) fn remember<R: Real>(
     model: &Model<R>,
     plan: &Plan,

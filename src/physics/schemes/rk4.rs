@@ -1,14 +1,14 @@
-//! The classical Runge–Kutta method: fourth order in smooth motion, for study and reference; at contact no better than
-//! the others.
+//! The classical Runge–Kutta method: fourth order in smooth motion, for study and reference; at contact no better than the
+//! others.
 //!
-//! With `y = (x, v)` and `y' = (v, a)`: slopes at the state, twice at the midpoint and at the end, in shares of 1, 2, 2
-//! and 1 sixths.
+//! With `y = (x, v)` and `y' = (v, a)`: slopes at the state, twice at the midpoint and at the end, weighted by 1, 2, 2 and 1
+//! sixths.
 
 use super::stepper::{Stepper, kick};
 use crate::math::Real;
 use crate::physics::report::Recorder;
 
-/// Four evaluations. The shares are summed on the way.
+/// Four evaluations; the weighted slopes are summed on the way.
 pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
     stepper.first_stage();
     if let Some(path) = &mut stepper.workspace.path {

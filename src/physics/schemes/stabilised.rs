@@ -1,17 +1,17 @@
-//! The stabilised scheme: Runge–Kutta–Chebyshev of second order, whose polynomials [`super::chebyshev`] has.
+//! The stabilised scheme: Runge–Kutta–Chebyshev of second order, with the polynomials of [`super::chebyshev`].
 //!
-//! Damping makes links resist the faster they change, and that limits the substeps of an explicit scheme long before
-//! stiffness does. s stages are stable for about 0.65 s² of what one bears: a substep can be longer, and costs less.
+//! Damping limits the substeps of an explicit scheme long before stiffness does. With s stages a substep is stable up to
+//! about 0.65 s² over the rate of damping: it can be longer by more than it costs more.
 //!
 //! # Contact
 //!
-//! A particle does not fall freely through a long substep and hit what it rests on at its end: through links that resist it
-//! would drag its neighbours along. So contact is found first, as with the other schemes, of a particle that is heavier by
-//! what its links resist with within the substep, taken implicitly for it alone
-//! ([`crate::physics::step::substep::Substep::inertia`]). The spring of what touches then pushes at every stage, which bounds
-//! the substep as links do; where friction holds, the particle is held across the normal, and along it too where it is at the
-//! limit of its depth; where it slides, friction brakes it. What contact takes from the forces is summed over the stages as
-//! they are: that is the force of contact.
+//! A particle must not fall freely through a long substep and hit what it rests on only at its end: its links would drag its
+//! neighbours along. So contact is found first, as with the other schemes, but for a particle that is heavier by the
+//! resistance of its links within the substep, taken implicitly for it alone
+//! ([`crate::physics::step::substep::Substep::inertia`]). The spring of the contact then pushes at every stage, which bounds
+//! the substep as links do. If friction holds, the particle is held across the normal, and along it too if it is at the
+//! limit of its depth; if it slides, friction brakes it. What contact takes from the forces is summed over the stages with
+//! their weights: that is the contact force.
 
 use std::ops::Range;
 
@@ -29,8 +29,8 @@ use crate::physics::state::sleep::awake;
 use crate::physics::step::pull;
 use crate::physics::team;
 
-/// Writes the velocities that contact and the hand find, m/s: of every particle as if it were alone with what its links
-/// resist with.
+/// Writes the velocities that contact and the hand start from, m/s: every particle moves as if alone, with the resistance of
+/// its links as inertia.
 pub(super) fn predict<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::Vec3]) {
     let substep = stepper.substep;
     let predicted = &mut stepper.workspace.predicted;
@@ -59,8 +59,8 @@ pub(super) fn predict<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::
     }
 }
 
-/// Goes through as many stages as the substep asks for, the first of them the state itself. Writes the mean velocities that
-/// move particles, those at the end, and what held those that are held.
+/// Goes through as many stages as the substep needs, the first of them the state itself. Writes the mean velocities that
+/// move particles, the velocities at the end, and what contact took from held particles.
 pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
     let count = stepper.substep.stages();
     let (ahead, mut stages) = Stages::new(count);
@@ -68,7 +68,7 @@ pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::V
         return;
     }
     go(stepper, Stage { last: 0.0, before: 0.0, slope: ahead, first: 0.0 });
-    // How much of the substep is over at the stages.
+    // The share of the substep that is over at the last two stages.
     let (mut share_before, mut share) = (0.0, ahead);
     for _ in 1..count {
         let SchemeWorkspace { position, velocity, force, .. } = &mut *stepper.workspace;
@@ -95,8 +95,8 @@ pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::V
     });
 }
 
-/// The first stage is the state, but that what is held has the velocity it is held at, and the forces are those of that.
-/// Says whether there is one: not where the substep is given up.
+/// Makes the first stage: the state, except that held particles have the velocity they are held at, with the forces at these
+/// velocities. Returns false if the substep is given up.
 fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> bool {
     let SchemeWorkspace { stages, velocity, force, .. } = &mut *stepper.workspace;
     let StageWorkspace { held, start, moved: [moved_before, moved], changed: [changed_before, changed], .. } = stages;
@@ -118,7 +118,7 @@ fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> 
         velocity[held.particle] = *start;
     }
     if is_changed {
-        // Forces of the velocities it had would drive its neighbours as if it still had them.
+        // Forces at the old velocity would drive the neighbours as if the particle still had it.
         let at = Configuration { position: &state.position, velocity, residual: None };
         forces::evaluate(stepper.substep, at, force, None, stepper.forces, recorder);
         recorder.enter(plan::Stage::Integrate);
@@ -138,7 +138,7 @@ fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> 
     true
 }
 
-/// Adds to the forces at a stage what is constant over the substep: the thesis's contact and the hand's pull.
+/// Adds to the forces at a stage those that are constant over the substep: the thesis's contact and the hand's pull.
 fn add_constant<R: Real>(stepper: &mut Stepper<'_, R>) {
     for (force, held) in stepper.workspace.force.iter_mut().zip(stepper.held_force.into_iter().flatten()) {
         *force += *held;
@@ -146,7 +146,7 @@ fn add_constant<R: Real>(stepper: &mut Stepper<'_, R>) {
     add_pull(stepper);
 }
 
-/// Adds the pull of a hand as it is on the particles as they are predicted.
+/// Adds the pull of a hand, evaluated at the predicted velocities.
 fn add_pull<R: Real>(stepper: &mut Stepper<'_, R>) {
     let Some(grab) = stepper.substep.grab else { return };
     let SchemeWorkspace { predicted, force, .. } = &mut *stepper.workspace;
@@ -156,7 +156,7 @@ fn add_pull<R: Real>(stepper: &mut Stepper<'_, R>) {
     }
 }
 
-/// Takes from the forces at a stage, `secs` after the substep began, what contact does.
+/// Subtracts what contact takes from the forces at a stage, `secs` after the substep began.
 fn hold<R: Real>(stepper: &mut Stepper<'_, R>, secs: R) {
     let substep = stepper.substep;
     let SchemeWorkspace { stages: StageWorkspace { held, moved, .. }, velocity, force, .. } = &mut *stepper.workspace;
@@ -206,7 +206,7 @@ fn go<R: Real>(stepper: &mut Stepper<'_, R>, stage: Stage) {
     std::mem::swap(changed_before, changed);
 }
 
-/// What the next stage of particles of a body that follow one another is made of: of positions and of velocities.
+/// The inputs of the next stage for consecutive particles of a body: each for positions and for velocities.
 #[derive(Clone, Copy)]
 struct Sources<'a, R: Real> {
     /// How far the last stage has gone from the state, ...
@@ -218,7 +218,7 @@ struct Sources<'a, R: Real> {
 }
 
 impl<R: Real> Sources<'_, R> {
-    /// Those of a part of the particles.
+    /// Returns the inputs of a part of the particles.
     fn of(self, part: Range<usize>) -> Self {
         let Self { last, slopes, start } = self;
         let [last, slopes, start] = [last, slopes, start].map(|of| of.map(|of| &of[part.clone()]));
@@ -226,8 +226,8 @@ impl<R: Real> Sources<'_, R> {
     }
 }
 
-/// Writes how far the next stage of some particles of a body (local numbers) has gone, in place of how far the stage before
-/// the last had, and where it is, in place of where the last was.
+/// Writes the next stage of some particles of a body (local numbers). How far it has gone replaces how far the stage before
+/// the last had, and where it is replaces where the last was.
 fn next_stage<R: Real>(
     body: &BodyModel<R>,
     level: SimdLevel,

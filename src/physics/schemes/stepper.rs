@@ -1,4 +1,4 @@
-//! A scheme at work on a substep: what every one of them begins with and steps through.
+//! A scheme at work on a substep: the workspace and the stages that schemes share.
 
 use crate::math::{Real, Vector};
 use crate::physics::forces;
@@ -16,31 +16,31 @@ use crate::physics::state::BodyMemory;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::substep::Substep;
 
-/// What a scheme works out between two states; of no length where a scheme needs none.
+/// The workspace of a scheme between two states; vectors that a scheme does not need are empty.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct SchemeWorkspace<R: Real> {
-    /// Mean velocity over the substep, m/s, with schemes that move particles by it rather than by that at its end.
+    /// Mean velocity over the substep, m/s, for schemes that move particles with it rather than with that at the end.
     pub(in crate::physics) path: Option<Vec<R::Vec3>>,
-    /// The velocities that were predicted, m/s, before contact changed them.
+    /// The predicted velocities, m/s, before contact changed them.
     pub(super) predicted: Vec<R::Vec3>,
     /// The velocities that contact left, m/s.
     pub(super) after_contact: Vec<R::Vec3>,
-    /// The particles that contact pushed, with the velocities that it left them, m/s, at which they go through all stages.
+    /// The particles that contact pushed, and the velocities that it left them for all stages, m/s.
     pub(super) pushed: Vec<(usize, R::Vec3)>,
     /// Positions at which forces are evaluated between two states, m.
     pub(super) position: Vec<R::Vec3>,
-    /// Velocities with which forces are evaluated that are not the state's, m/s.
+    /// Velocities with which forces are evaluated, if not those of the state, m/s.
     pub(in crate::physics) velocity: Vec<R::Vec3>,
     /// Forces there, N.
     pub(super) force: Vec<R::Vec3>,
-    /// Of the stabilised scheme.
+    /// Workspace of the stabilised scheme.
     pub(in crate::physics) stages: StageWorkspace<R>,
-    /// Of the implicit scheme.
+    /// Workspace of the implicit scheme.
     pub(super) implicit: ImplicitWorkspace<R>,
 }
 
 impl<R: Real> SchemeWorkspace<R> {
-    /// Room for the scheme of a plan.
+    /// Allocates the workspace for the scheme of a plan.
     pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
         let room = |needed: bool| vec![R::Vec3::ZERO; if needed { model.particle_count() } else { 0 }];
         let has_stages = matches!(plan.scheme, Scheme::Rk2 | Scheme::Rk4 | Scheme::Stabilised);
@@ -67,15 +67,15 @@ impl<R: Real> SchemeWorkspace<R> {
 }
 
 impl<R: Real> SchemeWorkspace<R> {
-    /// Goes on with a model of the same bodies with other constants, whose steps another scheme may have taken `before`. What
-    /// the implicit scheme has follows from the constants.
+    /// Adapts the workspace to a model of the same bodies with other constants; `before` is the scheme it was made for. The
+    /// workspace of the implicit scheme depends on the constants.
     pub(in crate::physics) fn fit(&mut self, before: Scheme, model: &Model<R>, plan: &Plan) {
         if plan.scheme != before || plan.scheme == Scheme::Implicit {
             *self = Self::new(model, plan);
         }
     }
 
-    /// The velocities that move particles, given those at the end of the substep.
+    /// Returns the velocities that move particles, given those at the end of the substep.
     pub(in crate::physics) fn moving<'a>(&'a self, velocity: &'a [R::Vec3]) -> &'a [R::Vec3] {
         self.path.as_deref().unwrap_or(velocity)
     }
@@ -86,14 +86,14 @@ pub(in crate::physics) struct Stepper<'a, R: Real> {
     pub(in crate::physics) substep: Substep<'a, R>,
     /// Forces at the state, N.
     pub(in crate::physics) force: &'a [R::Vec3],
-    /// Of these the thesis's contact, N: constant over the substep. None without that rule.
+    /// The part of the thesis's contact, N: constant over the substep. None without that rule.
     pub(in crate::physics) held_force: Option<&'a [R::Vec3]>,
     pub(in crate::physics) workspace: &'a mut SchemeWorkspace<R>,
     pub(in crate::physics) forces: &'a mut forces::ForceWorkspace<R>,
 }
 
 impl<R: Real> Stepper<'_, R> {
-    /// The stage that every scheme begins with: the state itself.
+    /// Makes the stage that every scheme begins with: the state itself.
     pub(super) fn first_stage(&mut self) {
         self.workspace.velocity.copy_from_slice(&self.substep.state.velocity);
         self.workspace.force.copy_from_slice(self.force);
@@ -134,7 +134,7 @@ impl<R: Real> Stepper<'_, R> {
     }
 }
 
-/// How long the forces at the state act on its velocities until they are those at the end of a substep, s.
+/// Returns how long the forces at the state act on its velocities to give those at the end of a substep, s.
 pub(in crate::physics) fn kicked_for<R: Real>(Substep { state, dt, scheme, .. }: Substep<'_, R>) -> R {
     match scheme {
         Scheme::Verlet => verlet::kicked_for(dt, state),
@@ -143,12 +143,12 @@ pub(in crate::physics) fn kicked_for<R: Real>(Substep { state, dt, scheme, .. }:
     }
 }
 
-/// Whether particles move by another velocity than that at the end of the substep.
+/// Whether particles move with another velocity than that at the end of the substep.
 pub(in crate::physics) fn moves_by_mean(scheme: Scheme) -> bool {
     matches!(scheme, Scheme::Explicit | Scheme::Rk2 | Scheme::Rk4 | Scheme::Stabilised)
 }
 
-/// `v += dt a` for every particle that is not held, where `a` is the force over the mass; held ones stand still.
+/// `v += dt a` for every particle that is not pinned, where `a` is the force over the mass; pinned ones stand still.
 pub(super) fn kick<R: Real>(
     model: &Model<R>,
     level: SimdLevel,

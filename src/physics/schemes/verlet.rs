@@ -1,23 +1,23 @@
-//! Verlet's scheme as leapfrog, with the velocity of the damping predicted: second order at one evaluation of the forces
-//! a substep.
+//! Verlet's scheme as leapfrog, with a predicted velocity for the damping: second order with one evaluation of the forces a
+//! substep.
 //!
-//! The velocity is half a substep behind the position, `v₋½`. It starts by half a kick, and the damping is evaluated with
-//! `v₋½ + dt/2 a₋₁` instead of `v₋½`: without either the scheme is of first order as soon as there is damping. The
-//! prediction counts the damping twice in the stability limit, `dt² ω² + 4 dt c < 4`. The remembered acceleration has no
-//! contact in it, whose impulses would be predicted to go on.
+//! The velocity is half a substep behind the position, `v₋½`. It starts with half a kick, and the damping is evaluated with
+//! `v₋½ + dt/2 a₋₁` instead of `v₋½`: without either the scheme is only of first order as soon as there is damping. The
+//! prediction counts the damping twice in the stability limit, `dt² ω² + 4 dt c < 4`. The remembered acceleration leaves out
+//! contact, whose impulses would otherwise be predicted to go on.
 
 use crate::math::{Real, Vector};
 use crate::physics::model::Model;
 use crate::physics::state::State;
 use crate::physics::state::sleep::awake;
 
-/// How long the velocity is kicked by the present forces, s: `v½ = v₋½ + dt a`, or half of it from a velocity that is
-/// not behind.
+/// Returns how long the present forces kick the velocity, s: `v½ = v₋½ + dt a`, or half of it from a velocity that is not
+/// behind.
 pub(super) fn kicked_for<R: Real>(dt: R, state: &State<R>) -> R {
     lag(state) + dt * R::from_f64(0.5)
 }
 
-/// The velocity at the position's time, as far as the last acceleration tells.
+/// Returns the velocity at the position's time, predicted with the last acceleration.
 pub(super) fn predicted_velocity<'a, R: Real>(state: &State<R>, predicted: &'a mut [R::Vec3]) -> &'a [R::Vec3] {
     let lag = lag(state);
     predicted.copy_from_slice(&state.velocity);

@@ -22,7 +22,7 @@ pub struct BodyMotion<R: Real> {
     velocity: Vec<R::Vec3>,
     side: Vec<Vec<i8>>,
     memory: BodyMemory,
-    /// How its modes move, where it moves by them.
+    /// The motion of its modes, where it is a modal body.
     modal: ModalState,
     approaches: Vec<Approach>,
     touches: Vec<SampleTouch>,
@@ -44,7 +44,7 @@ impl<R: Real> Simulation<R> {
         }
     }
 
-    /// Lets a body move as it did once. A motion of another number of particles is left alone.
+    /// Gives a body the place and motion that it once had. A motion of another number of particles is ignored.
     pub fn set_body_motion(&mut self, body: usize, motion: &BodyMotion<R>) {
         let particles = self.model.bodies[body].particles.clone();
         if motion.position.len() != particles.len() {
@@ -61,7 +61,7 @@ impl<R: Real> Simulation<R> {
             }
         }
         self.state.bodies[body].clone_from(&motion.memory);
-        // Its links were of another model.
+        // The load may be of links of another model.
         self.state.bodies[body].load = LinkLoad::default();
         self.state.modal[body].clone_from(&motion.modal);
         self.state.fit_modes(&self.model);
@@ -83,13 +83,13 @@ impl<R: Real> Simulation<R> {
         self.diverged = false;
     }
 
-    /// Stops the particles of a body that are held: they moved before they were.
+    /// Stops the held particles of a body, which may have moved before they were held.
     pub(super) fn stop_pinned(&mut self, body: usize) {
         let body = &self.model.bodies[body];
         hold_pinned(body, 0..body.particles.len(), &mut self.state.velocity[body.particles.clone()]);
     }
 
-    /// Puts a body to its start; the others go on.
+    /// Puts a body back to its start; the others go on.
     pub fn restart_body(&mut self, body: usize) {
         let start = &self.model.bodies[body];
         let motion = BodyMotion {
@@ -106,9 +106,9 @@ impl<R: Real> Simulation<R> {
         self.let_obstacles_approach(body);
     }
 
-    /// Lets a body of other cells be where `old`, a body of `before`, is and move as it does: every particle as the point
-    /// of the old body that it was at rest, all of it `scale` times as large about its middle, which at rest is `shift` (m) from
-    /// that of the old one. What is held is at its start; a body that is gone stays at its start.
+    /// Gives a body of other cells the place and motion of `old`, a body of `before`: every particle follows the point of
+    /// the old body at its place at rest. The body is `scale` times as large about its middle, which at rest is `shift` (m)
+    /// from that of the old one. Held particles are at their start; if the old body is gone, all of the body is.
     pub fn reshape_body(&mut self, body: usize, before: &Self, old: usize, scale: f64, shift: DVec3) {
         let (new, lattice) = (&self.model.bodies[body], &before.model.bodies[old].lattice);
         if before.state.bodies[old].gone {
@@ -167,8 +167,8 @@ impl<R: Real> Simulation<R> {
         self.diverged = false;
     }
 
-    /// Puts a body where its start is, turned by what its start was turned by, deformed as it is and at rest. One that is
-    /// gone comes back as it was at its start.
+    /// Puts a body where its start is and turns it as its start was turned; it stays deformed as it is, and is at rest. A
+    /// body that is gone comes back as it was at its start.
     pub fn teleport_body(&mut self, body: usize, old_rotation_deg: [f64; 3], new_rotation_deg: [f64; 3]) {
         if self.state.bodies[body].gone {
             self.restart_body(body);
@@ -176,7 +176,7 @@ impl<R: Real> Simulation<R> {
         }
         let turn = rotation::from_euler_deg(new_rotation_deg) * rotation::from_euler_deg(old_rotation_deg).transpose();
         if let Some(modal) = &self.model.bodies[body].modal {
-            // The modes of a held body are about where it is put.
+            // The modes of a held body are relative to its place.
             let motion = &mut self.state.modal[body];
             motion.stop();
             if let (Some(rigid), Some(inertia)) = (&mut motion.rigid, &modal.rigid) {
@@ -212,7 +212,8 @@ impl<R: Real> Simulation<R> {
         self.let_obstacles_approach(body);
     }
 
-    /// Takes over the springs between bodies that `before` had too; `kept` names, for each body, the one it was.
+    /// Takes over the contact springs between bodies that `before` had too; `kept` names, for each body, the one that it was
+    /// there.
     pub(super) fn carry_presses_over(&mut self, before: &Self, kept: &[Option<usize>]) {
         let body_now = |body: usize| kept.iter().position(|old| *old == Some(body));
         let first = |simulation: &Self, body: usize| simulation.model.bodies[body].particles.start;
@@ -236,7 +237,7 @@ impl<R: Real> Simulation<R> {
         self.state.fit_presses(&self.model, &self.plan);
     }
 
-    /// Obstacles that a body was put into come to it gently.
+    /// Lets obstacles that a body was put into approach it gently.
     fn let_obstacles_approach(&mut self, body: usize) {
         let obstacles = self.obstacles();
         arrive::begin_for(&self.model, &self.plan, obstacles.all(), body, &mut self.state);

@@ -9,7 +9,7 @@ use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::{BodyModel, FallLimit, Model};
 use crate::physics::state::State;
 
-/// How far below everything else a body is gone, in sizes of the scene.
+/// How far below everything else a body counts as gone, in sizes of the scene.
 const SIZES: f64 = 10.0;
 
 /// How far bodies of a model may fall: past the starts of all of them and all obstacles. None without gravity, which
@@ -25,8 +25,8 @@ pub(in crate::physics) fn limit<R: Real>(model: &Model<R>) -> Option<FallLimit<R
     depth.is_finite().then(|| FallLimit { down: R::Vec3::from_dvec3(down), depth: R::from_f64(depth) })
 }
 
-/// Puts every body to sleep that has fallen past the limit with all its particles. Modal bodies, which look asleep here, are
-/// told when they move.
+/// Puts every body to sleep that has fallen past the limit with all its particles. Modal bodies, whose particles sleep, are
+/// checked when they move.
 pub(in crate::physics) fn watch<R: Real>(model: &Model<R>, state: &mut State<R>) {
     let Some(limit) = model.fall_limit else { return };
     for (number, body) in model.bodies.iter().enumerate() {
@@ -44,6 +44,6 @@ pub(in crate::physics) fn is_ball_past<R: Real>(limit: FallLimit<R>, center: DVe
 }
 
 fn is_past<R: Real>(limit: FallLimit<R>, body: &BodyModel<R>, position: &[R::Vec3]) -> bool {
-    // A body that is not is told by its first particle.
+    // Of a body that is not past it, the first particle usually decides.
     position[body.particles.clone()].iter().all(|at| at.dot(limit.down) > limit.depth)
 }

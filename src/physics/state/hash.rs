@@ -3,9 +3,9 @@
 use crate::math::{Real, Vector};
 use crate::physics::state::{RigidState, State};
 
-/// FNV-1a over the bits of all positions, then all velocities, then of what is left of the obstacles' ways and sweeps and of
-/// the springs between bodies of points of meshes, of modes that lead bodies and of free bodies as wholes (Fowler, Noll and
-/// Vo; 64 bits, eight bytes at a time).
+/// FNV-1a over the bits of all positions, all velocities, the distances left of approaches and times left of sweeps, the
+/// contact springs between bodies and those of points that touch obstacles, the amplitudes and rates of modes, and the rigid
+/// motions of free bodies (Fowler, Noll and Vo; 64 bits, eight bytes at a time).
 pub(crate) fn state_hash<R: Real>(state: &State<R>) -> u64 {
     const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
     const PRIME: u64 = 0x0000_0100_0000_01b3;

@@ -25,12 +25,12 @@ use crate::physics::model::plan::Plan;
 /// The [`State::work`] of a substep whose limit is reached.
 pub(super) const SPENT: u64 = u64::MAX;
 
-/// Where and how fast. Arrays are by particle, the bodies one after another.
+/// Positions, velocities and all else that a simulation remembers. Arrays are by particle, the bodies one after another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State<R: Real> {
     /// m.
     pub position: Vec<R::Vec3>,
-    /// What rounding has kept back from `position`, m (Kahan's compensated sum): small steps would otherwise be lost.
+    /// The rounding error of `position`, m (Kahan's compensated sum): small steps would otherwise be lost.
     pub position_residual: Vec<R::Vec3>,
     /// m/s; half a step behind the position's time with semi-implicit Euler, [`State::velocity_lag_secs`] behind it with
     /// Verlet.
@@ -49,7 +49,8 @@ pub struct State<R: Real> {
     pub anchor: Vec<R::Vec3>,
     /// What is remembered of every body as a whole.
     pub bodies: Vec<BodyMemory>,
-    /// Obstacles that were put into bodies and are on their way there as these bodies meet them, by body and obstacle.
+    /// Obstacles that were placed inside bodies and, for these bodies, are still on the way to their places; by body and
+    /// obstacle.
     pub approaches: Vec<Approach>,
     /// Obstacles that were moved while time runs and sweep to their places in the model.
     pub sweeps: Vec<Sweep>,
@@ -57,15 +58,15 @@ pub struct State<R: Real> {
     pub presses: Vec<Press>,
     /// Where points of bodies' meshes and of free modal bodies touch obstacles, by body, point and obstacle.
     pub touches: Vec<SampleTouch>,
-    /// How modal bodies move, by body: particles of these are where they were put last. Of no length where
-    /// a body moves by its cells.
+    /// The motion of modal bodies, by body; empty where a body moves by its cells. The particles of a modal body are where
+    /// they were placed last.
     pub modal: Vec<ModalState>,
     /// Whole steps taken.
     pub steps: u64,
     /// Substeps taken of the step that is under way.
     pub substep: u32,
-    /// How much of the substep under way is done, in parts of 2 to the power of minus [`super::MOST_HALVINGS`] of it: more than
-    /// nothing only where the implicit integrator halves it.
+    /// How much of the substep under way is done, in units of 2^−[`super::MOST_HALVINGS`] of it: above zero only where the
+    /// implicit integrator halves it.
     pub part: u64,
     /// How often the substep under way is halved at present.
     pub halvings: u32,
@@ -86,15 +87,15 @@ pub struct BodyMemory {
     pub near_inversion: Vec<u32>,
     /// How far links are from their length at rest.
     pub strain: Strain,
-    /// For how many substeps a strained body's links have been nearer their length than that.
+    /// For how many substeps the links of a strained body have been below that strain.
     pub calm_substeps: u32,
-    /// What a strained body's links added at most when that was looked for last; nothing where it is not known.
+    /// The largest load of a strained body's links at the last look; the default where it is not known.
     pub load: LinkLoad,
     /// For how long the body has been slow while cells of it were inverted, ns.
     pub knotted_nanos: u32,
-    /// Whether it has been so for long enough to be stuck: its cells are pulled to shape until none is crushed.
+    /// Whether it has been knotted for long enough to be stuck: its cells are pulled to shape until none is crushed.
     pub stuck: bool,
-    /// What its recovery has to give.
+    /// The energy account of its recovery.
     pub account: RecoveryAccount,
     /// Substeps for which the body has been still.
     pub still_substeps: u64,
@@ -102,21 +103,21 @@ pub struct BodyMemory {
     pub asleep: bool,
     /// Whether it has fallen out of the scene: it sleeps until it is put elsewhere.
     pub gone: bool,
-    /// Whether it is a modal body: it sleeps as far as its particles go, and is at rest where it has been still for long.
+    /// Whether it is a modal body: its particles always sleep, and it is at rest once it has been still for long enough.
     pub is_modal: bool,
-    /// Whether parts of it that are apart at rest were near each other when this was looked for last.
+    /// Whether parts of it that are apart at rest were near each other at the last look.
     pub near_itself: bool,
-    /// How far its particles may move past each other until it is looked for again, in cells.
+    /// How far its particles may move relative to each other before the next look, in cells.
     pub apart: f64,
 }
 
-/// How far links of a body are from their length at rest, and so in how many parts a substep is taken.
+/// How far links of a body are from their length at rest, which decides in how many parts a substep is taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Strain {
     /// The bound at rest holds.
     #[default]
     Small,
-    /// Further than the scheme of the plan bears, by less than others do.
+    /// Further than the plan's scheme bears, but not further than other schemes do.
     Taut,
     /// So far that no scheme's bound at rest holds.
     Large,
@@ -125,15 +126,15 @@ pub enum Strain {
 /// What the recovery of a body from inversion took of its energy and gave back.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RecoveryAccount {
-    /// What it took and has not given back since the body's cells were last well, J. It may give no more; less than
-    /// nothing by no more than a substep's work.
+    /// The energy taken and not given back since the body's cells were last well, J. Recovery gives no more than this, so it
+    /// falls below zero by at most a substep's work.
     pub taken_j: f64,
-    /// The share of the pull on a body that is stuck: as much as could be paid for.
+    /// The share of the pull that acts on a stuck body: as much as the account could pay for.
     pub pull_share: f64,
 }
 
 impl BodyMemory {
-    /// The body moves as it must, and rest is looked for anew; nothing wakes one that is gone.
+    /// Wakes the body and starts the watch for rest anew; a body that is gone stays asleep.
     pub fn wake(&mut self) {
         self.asleep = self.gone || self.is_modal;
         self.still_substeps = 0;
@@ -163,14 +164,14 @@ impl BodyMemory {
         };
     }
 
-    /// Whether cells of a body that is awake are watched as they may invert.
+    /// Whether the body is awake and has cells that are watched as they may invert.
     pub(super) fn is_watched(&self) -> bool {
         !self.asleep && !self.near_inversion.is_empty()
     }
 }
 
 impl<R: Real> State<R> {
-    /// Whether no substep is under way, and the motion is where the count of steps is.
+    /// Whether no substep is under way, and the motion has caught up with the counted steps.
     pub fn is_between_substeps(&self) -> bool {
         self.part == 0 && self.held_steps == 0
     }
@@ -229,8 +230,7 @@ impl<R: Real> State<R> {
         self.touches.reserve_exact(touching.saturating_sub(self.touches.len()));
     }
 
-    /// Remembers what the scheme of a plan needs and no more. A scheme that begins starts from a velocity that is not
-    /// behind.
+    /// Keeps room for what the scheme of a plan remembers, and no more. A scheme that begins starts with no velocity lag.
     pub(super) fn fit_scheme(&mut self, plan: &Plan) {
         self.held_steps = self.held_steps.min(plan.span - 1);
         if plan.halvings == 0 {
@@ -246,7 +246,8 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// Makes room for what the watch for rest remembers, or wakes every body where none may sleep.
+    /// Makes room for the anchors of the watch for rest, or drops them where no body may sleep; every body wakes where that
+    /// changes.
     pub(super) fn fit_sleep(&mut self, plan: &Plan) {
         let count = if plan.sleeping { self.position.len() } else { 0 };
         if self.anchor.len() != count {
@@ -255,7 +256,8 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// Forgets springs between bodies where none meet, and those of points of a mesh that meets others no more, or does from now on.
+    /// Forgets contact springs between bodies where none meet, and springs of a body that meets others with its mesh now
+    /// instead of its cells, or the other way round.
     pub(super) fn fit_presses(&mut self, model: &Model<R>, plan: &Plan) {
         if plan.between_bodies.is_none() {
             self.presses.clear();
@@ -263,8 +265,8 @@ impl<R: Real> State<R> {
         self.presses.retain(|press| press.fits(model));
     }
 
-    /// Goes on with other obstacles: `kept` names, for each of them, the one it was. Where points touch one that does not stay
-    /// is forgotten.
+    /// Renumbers the touches for other obstacles: `kept` names, for each of them, the old one that it was. Touches of
+    /// obstacles that do not stay are forgotten.
     pub(super) fn keep_touches(&mut self, kept: &[Option<usize>], stays: impl Fn(usize) -> bool) {
         self.touches.retain_mut(|touch| {
             let now = kept.iter().position(|was| *was == Some(touch.obstacle));
@@ -274,7 +276,7 @@ impl<R: Real> State<R> {
         self.touches.sort_unstable_by_key(SampleTouch::place);
     }
 
-    /// Forgets where points touch that meet nothing.
+    /// Forgets the touches of points that meet no obstacle any more.
     pub(super) fn fit_touches(&mut self, model: &Model<R>, plan: &Plan) {
         let is_there = |touch: &SampleTouch| {
             let Some(body) = model.bodies.get(touch.body) else { return false };

@@ -1,28 +1,29 @@
-//! How far every mode of a body is from rest and how fast it goes, and where it is where nothing holds it.
+//! The motion of a modal body: amplitudes and rates of its modes, and the rigid motion of a free body.
 
 use super::rigid::RigidState;
 use crate::physics::model::ModalModel;
 
-/// The motion of a modal body; of no length where it moves by its cells.
+/// The motion of a modal body; empty where a body moves by its cells.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModalState {
     /// `q`, m √kg.
     pub amplitude: Vec<f64>,
-    /// `q'` as the next substep begins with it, m √kg / s: what has just been pushed may have one that its weight takes back.
+    /// `q'` at the start of the next substep, m √kg / s. It need not be zero in a body at rest: the weight takes back what
+    /// contact has just pushed.
     pub rate: Vec<f64>,
-    /// What it was on the whole in the last substep: this is how fast the body is seen to move.
+    /// The mean of `q'` over the last substep: the speed that is shown.
     pub mean_rate: Vec<f64>,
-    /// Where it is as a whole; none of a body that is held.
+    /// The rigid motion; none where the body is held.
     pub rigid: Option<RigidState>,
 }
 
 impl ModalState {
-    /// So many modes at rest, of a body that is held.
+    /// A held body with `count` modes at rest.
     pub fn at_rest(count: usize) -> Self {
         Self { amplitude: vec![0.0; count], rate: vec![0.0; count], mean_rate: vec![0.0; count], rigid: None }
     }
 
-    /// Nothing is seen to move.
+    /// Sets the mean rates to zero: nothing is seen to move.
     pub(in crate::physics) fn rest(&mut self) {
         self.mean_rate.fill(0.0);
         if let Some(rigid) = &mut self.rigid {
@@ -30,14 +31,14 @@ impl ModalState {
         }
     }
 
-    /// Everything stops where it is.
+    /// Stops all motion in place.
     pub(in crate::physics) fn stop(&mut self) {
         self.rate.fill(0.0);
         self.mean_rate.fill(0.0);
         self.rigid.iter_mut().for_each(RigidState::stop);
     }
 
-    /// The energy of the swing, J: kinetic and elastic.
+    /// The kinetic and the elastic energy of the modes, J.
     pub fn energy(&self, modes: &ModalModel) -> [f64; 2] {
         let kinetic = self.rate.iter().map(|v| 0.5 * v * v).sum();
         let swings = modes.rates().iter().zip(&self.amplitude).map(|([omega, _], q)| omega * q);

@@ -1,8 +1,8 @@
-//! Obstacles on their way, as the state has them.
+//! Obstacles on the way to their places.
 
 use glam::{DQuat, DVec3};
 
-/// An obstacle on its way to its place as one body meets it.
+/// An obstacle on the way to its place, for one body alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
     /// The body.
@@ -15,11 +15,11 @@ pub struct Approach {
     pub left_m: f64,
     /// Its speed, m/s.
     pub speed: f64,
-    /// Whether it waits, as it would have to press too hard.
+    /// Whether it waits, as it would press too hard.
     pub waits: bool,
 }
 
-/// An obstacle on its way to its place in the model.
+/// An obstacle on the way to its place in the model, for all bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
     /// The obstacle.

@@ -1,4 +1,4 @@
-//! How far bodies have pressed each other's contact springs, as the state has it.
+//! Contact springs between bodies, as the state remembers them.
 
 use crate::math::Real;
 use crate::physics::model::Model;
@@ -12,8 +12,8 @@ pub enum BodyPoint {
     OfMesh(usize),
 }
 
-/// A spring between a point of a body and another body. It is pressed by what moves the two together while it is there, not by
-/// where they are: what finds itself deep inside another body has not pressed anything.
+/// A contact spring between a point of a body and another body. The relative motion of the two presses it, not their
+/// position: a point that finds itself deep inside another body has pressed nothing yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Press {
     /// The body of the point, and the one that it is in.
@@ -25,8 +25,8 @@ pub struct Press {
 }
 
 impl Press {
-    /// Whether there may be one like it: of a particle where its body meets others with its cells, or itself; else of a point that
-    /// its mesh has. Its bodies are there.
+    /// Whether a model can have this spring: of a particle where its body meets others with its cells, or itself; otherwise
+    /// of a point that its mesh has. Both bodies must be in the model.
     pub fn fits<R: Real>(&self, model: &Model<R>) -> bool {
         let [own, other] = self.bodies;
         let body = &model.bodies[own];
@@ -37,7 +37,7 @@ impl Press {
         }
     }
 
-    /// They are in this order.
+    /// The key that springs are sorted by.
     pub(in crate::physics) fn place(&self) -> (usize, BodyPoint, usize) {
         (self.bodies[0], self.point, self.bodies[1])
     }

@@ -1,28 +1,28 @@
-//! Where a free modal body is as a whole, how it is turned and how both change.
+//! The rigid motion of a free modal body: position, rotation, velocity and angular momentum.
 
 use glam::{DQuat, DVec3};
 
 use crate::physics::model::Inertia;
 
-/// The motion of a free modal body without its swing. All in the scene's coordinates.
+/// The rigid motion of a free modal body, without its vibration. All in the scene's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidState {
     /// The centre of mass, m.
     pub center: DVec3,
     /// From the body's coordinates to the scene's; of length 1.
     pub turn: DQuat,
-    /// The velocity of the centre of mass as the next substep begins with it, m/s.
+    /// The velocity of the centre of mass at the start of the next substep, m/s.
     pub velocity: DVec3,
     /// The angular momentum about the centre of mass, kg m²/s.
     pub momentum: DVec3,
-    /// What the velocity was on the whole in the last substep, m/s: this is how fast the body is seen to move.
+    /// The mean velocity over the last substep, m/s: the speed that is shown.
     pub mean_velocity: DVec3,
-    /// How fast it turned on the whole in the last substep, 1/s.
+    /// The mean angular velocity over the last substep, 1/s.
     pub mean_spin: DVec3,
 }
 
 impl RigidState {
-    /// How many numbers it is of.
+    /// How many numbers it consists of.
     pub const NUMBERS: usize = 19;
 
     /// All its numbers, in the order of its fields.
@@ -38,7 +38,7 @@ impl RigidState {
         all
     }
 
-    /// The motion of these numbers.
+    /// The motion that consists of these numbers.
     pub fn from_numbers(all: [f64; Self::NUMBERS]) -> Self {
         let vector = |first: usize| DVec3::new(all[first], all[first + 1], all[first + 2]);
         Self {
@@ -57,7 +57,7 @@ impl RigidState {
         0.5 * (inertia.mass * self.velocity.length_squared() + own.dot(inertia.spin(own)))
     }
 
-    /// It stops where it is.
+    /// Stops the motion in place.
     pub(in crate::physics) fn stop(&mut self) {
         (self.velocity, self.momentum, self.mean_velocity, self.mean_spin) = Default::default();
     }

@@ -4,15 +4,15 @@
 //! still    for 0.5 s no particle was faster than 1e-3 body sizes a second
 //! at rest  still, and none is further than 1e-5 body sizes from where it was then, nor than 1 % of a free fall
 //! asleep   velocities are zero; no forces, no contact, no motion; its contacts stay known to be shown
-//! awake    by a body or an obstacle that moves and comes near, a hand, new parameters, settings or obstacles, a throw, another place or another
-//!          motion; never a body that has fallen out of the scene
+//! awake    by a body or an obstacle that moves and comes near, a hand, new parameters, settings or obstacles, a throw,
+//!          another place or another motion; never a body that has fallen out of the scene
 //! ```
 //!
-//! The speed alone would take the top of a flight or the end of a swing for rest; the way since the body was first still
-//! tells them apart, and the free fall does so where gravity is weak. A body whose damping is strong for its stiffness
-//! creeps home slowly: its way must be shorter by as much as its creeping is slower than the watch. Everything is
-//! counted in substeps and kept in the [`State`], so that a saved motion goes on bit for bit, sleep included. What drifts
-//! more slowly than 2e-5 body sizes a second is stopped: no picture tells it from rest.
+//! The speed alone would take the top of a flight or the end of a swing for rest; the displacement since the body was first
+//! still tells them apart, and the free fall does so where gravity is weak. A body whose damping is strong for its stiffness
+//! creeps home slowly: the displacement allowed shrinks by the factor by which its relaxation time exceeds that of the
+//! watch. Everything is counted in substeps and kept in the [`State`], so that a saved motion goes on bit for bit, sleep
+//! included. A drift slower than 2e-5 body sizes a second is stopped: it cannot be seen.
 
 use crate::math::{Aabb, FRAME_SECS, Real, Vector};
 use crate::physics::model::plan::Plan;
@@ -32,7 +32,7 @@ const FARTHEST: f64 = 1e-5;
 /// The same as a share of a free fall of [`STILL_SECS`].
 const FALLEN_SHARE: f64 = 0.01;
 
-/// Simulated time between two looks at the way, s.
+/// Simulated time between two checks of the displacement, s.
 const LOOK_SECS: f64 = FRAME_SECS;
 
 /// The bodies that are awake.
@@ -68,8 +68,8 @@ pub(in crate::physics) fn moves<R: Real>(model: &Model<R>, plan: &Plan, memory: 
     !memory.gone && !rests()
 }
 
-/// Lets every body fall asleep that has been at rest for long enough, after a substep; never one that is `held`, nor one
-/// that is `touching` another that has not: what touches falls asleep together.
+/// Puts every body to sleep that has been at rest for long enough, after a substep; but not one that is `held`, nor one that
+/// is `touching` a body that is not ready: bodies that touch fall asleep together.
 pub(in crate::physics) fn watch<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -98,7 +98,7 @@ pub(in crate::physics) fn watch<R: Real>(
             state.anchor[own.clone()].copy_from_slice(&state.position[own]);
             state.bodies[number].still_substeps = 1;
         } else if done {
-            // Ready; unless it waits for another, it sleeps below.
+            // Ready: it is put to sleep below, unless it waits for another.
             state.bodies[number].still_substeps = long_enough + 1;
         } else {
             state.bodies[number].still_substeps += 1;
@@ -113,7 +113,7 @@ pub(in crate::physics) fn watch<R: Real>(
     }
 }
 
-/// Wakes every body that an obstacle that moves by itself may come to, and keeps it awake.
+/// Wakes every body near an obstacle that moves by itself, and keeps it awake.
 pub(in crate::physics) fn wake_near_moving<R: Real>(
     model: &Model<R>,
     placed: &[ObstacleModel<R>],
@@ -133,14 +133,13 @@ pub(in crate::physics) fn wake_near_moving<R: Real>(
     }
 }
 
-/// Whether another waits for a body with its rest. A modal body that could rest waits for the other itself, and may as well be
-/// slept upon.
+/// Whether a body keeps those that touch it awake. A modal body that could rest does not: it waits for them itself.
 fn is_up(memory: &BodyMemory, long_enough: u64) -> bool {
     let still_for = memory.still_substeps;
     if memory.is_modal { !memory.gone && still_for < long_enough } else { !memory.asleep && still_for <= long_enough }
 }
 
-/// Whether a modal body has to wait with its rest for what is `touching` it.
+/// Whether a modal body may not rest yet as a body that is `touching` it is not ready.
 pub(in crate::physics) fn waits(
     body: usize,
     mut touching: impl Iterator<Item = [usize; 2]>,
@@ -152,7 +151,7 @@ pub(in crate::physics) fn waits(
     })
 }
 
-/// Holds bodies back that are ready to sleep where they are pressed by one that is not, and so on.
+/// Keeps bodies awake that are ready to sleep but touch one that is not, and so on along all that touch.
 fn wait_for_others<R: Real>(
     long_enough: u64,
     touching: &(impl Iterator<Item = [usize; 2]> + Clone),
@@ -177,7 +176,7 @@ fn wait_for_others<R: Real>(
 
 fn is_still<R: Real>(body: &BodyModel<R>, velocity: &[R::Vec3]) -> bool {
     let fastest = R::from_f64(FASTEST) * body.size;
-    // A body that moves is told by its first particles.
+    // In a body that moves, the first particles usually decide.
     velocity.iter().all(|v| v.dot(*v) <= fastest * fastest)
 }
 
@@ -185,7 +184,7 @@ fn farthest<R: Real>(position: &[R::Vec3], anchor: &[R::Vec3]) -> f64 {
     position.iter().zip(anchor).fold(R::ZERO, |way, (now, then)| way.max((*now - *then).length())).to_f64()
 }
 
-/// The time in which damped links come home, s; where they differ by cell those that take longest.
+/// The relaxation time of damped links, s; the longest where links differ by cell.
 fn relaxation_secs<R: Real>(body: &BodyModel<R>) -> f64 {
     let of = |LatticeConstants { stiffness, damping }: LatticeConstants| {
         let [stiffness, damping] = [stiffness, damping].map(|by_family| by_family.iter().sum::<f64>());
@@ -194,7 +193,7 @@ fn relaxation_secs<R: Real>(body: &BodyModel<R>) -> f64 {
     body.lattices().map(of).fold(0.0, f64::max)
 }
 
-/// How far a particle of a body at rest may be from its anchor, m; at last less than gravity would have taken it.
+/// How far a particle of a body at rest may be from its anchor, m; `at_last` also less than gravity would have moved it.
 fn longest_way<R: Real>(model: &Model<R>, body: &BodyModel<R>, at_last: bool) -> f64 {
     let way = FARTHEST * body.size.to_f64() / (relaxation_secs(body) / STILL_SECS).max(1.0);
     let fallen = FALLEN_SHARE * 0.5 * model.gravity.length().to_f64() * STILL_SECS * STILL_SECS;

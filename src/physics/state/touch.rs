@@ -1,7 +1,7 @@
-//! Where points of bodies' meshes and of free modal bodies touch obstacles, as the state has it.
+//! Touches of obstacles by points of bodies' meshes and of free modal bodies, as the state remembers them.
 
-/// A point of a body's mesh, or any of a free modal body, that touches an obstacle: on which side, and how far the spring between
-/// them is pressed. As with [`super::press::Press`] it is the motion that presses it, not the place.
+/// A point of a body's mesh, or of a free modal body, that touches an obstacle: on which side, and how far the contact
+/// spring is pressed. As with [`super::press::Press`] the motion presses it, not the position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleTouch {
     /// The body.
@@ -17,7 +17,7 @@ pub struct SampleTouch {
 }
 
 impl SampleTouch {
-    /// They are in this order.
+    /// The key that touches are sorted by.
     pub(in crate::physics) fn place(&self) -> (usize, usize, usize) {
         (self.body, self.sample, self.obstacle)
     }

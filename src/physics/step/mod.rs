@@ -12,7 +12,7 @@
 //!          of all this
 //!
 //! The implicit scheme solves for pull, contact and v' at once: find constraints, solve, finish. Where that would give
-//! energy it is taken again in halves, and in the smallest of them as the other schemes do.
+//! energy the part is taken again in halves; an explicit scheme takes the smallest of them if it is refused, too.
 //! ```
 //!
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
@@ -46,23 +46,23 @@ use crate::physics::step::substep::{Gain, Part, Substep};
 use crate::physics::stepping::strain;
 use crate::physics::team;
 
-/// What a substep works in: allocated once, meaningless between substeps except for reading the last one's forces.
+/// The workspace of a substep: allocated once, meaningless between substeps except for the last substep's forces.
 #[derive(Clone, Debug)]
 pub(super) struct StepWorkspace<R: Real> {
     /// Net force on every particle without implicit contact, N.
     pub force: Vec<R::Vec3>,
-    /// Of it the thesis's contact, N; none without that rule.
+    /// The part of that force that is contact by the thesis's rule, N; none without that rule.
     thesis_force: Option<Vec<R::Vec3>>,
     /// The velocity at the end of the substep, m/s.
     pub velocity: Vec<R::Vec3>,
-    /// What contact works in and what it found.
+    /// Workspace and results of contact.
     pub contact: contact::ContactWorkspace<R>,
     scheme: schemes::SchemeWorkspace<R>,
-    /// What forces are worked out in.
+    /// Workspace of the forces.
     pub forces: forces::ForceWorkspace<R>,
-    /// What modal bodies work in.
+    /// Workspace of modal bodies.
     pub modal: ModalWorkspace,
-    /// What was remembered of every body before the substep, where one may be given up.
+    /// A copy of every body's memory before the substep, which may be given up.
     remembered: Vec<BodyMemory>,
 }
 
@@ -82,7 +82,8 @@ impl<R: Real> StepWorkspace<R> {
         }
     }
 
-    /// Goes on with a model of the same bodies with other constants or obstacles. What neither changes keeps its room.
+    /// Fits the workspace to a model of the same bodies with other constants or obstacles. Buffers that do not depend on
+    /// these are kept.
     pub(super) fn fit(&mut self, before: (&Model<R>, &Plan), model: &Model<R>, plan: &Plan) {
         if self.thesis_force.is_some() != has_thesis_force(plan) {
             self.thesis_force = thesis_room(model, plan);
@@ -93,7 +94,7 @@ impl<R: Real> StepWorkspace<R> {
         self.modal = ModalWorkspace::new(model, plan);
     }
 
-    /// Goes on with as many threads as a plan wants.
+    /// Fits the workspace to the number of threads of a plan.
     pub(super) fn fit_threads(&mut self, model: &Model<R>, plan: &Plan) {
         self.forces.fit(model, model, plan);
     }
@@ -115,28 +116,28 @@ fn has_thesis_force(plan: &Plan) -> bool {
     plan.contact && plan.contact_rule == ContactRule::Thesis
 }
 
-/// Room for this force on every particle, where there is any.
+/// Room for the thesis's contact force on every particle, under that rule.
 fn thesis_room<R: Real>(model: &Model<R>, plan: &Plan) -> Option<Vec<R::Vec3>> {
     has_thesis_force(plan).then(|| vec![R::Vec3::ZERO; model.particle_count()])
 }
 
-/// Room for what is remembered of the bodies before a substep, which may be given up.
+/// Room for a copy of the bodies' memory.
 fn remembered<R: Real>(model: &Model<R>) -> Vec<BodyMemory> {
     let room = |cells: usize| BodyMemory { near_inversion: Vec::with_capacity(cells), ..BodyMemory::default() };
     model.bodies.iter().map(|body| room(body.lattice.cells.len())).collect()
 }
 
-/// How often the velocities of a body are halved that would gain energy however short its substeps are.
+/// How often the velocities are halved in a body that would gain energy however short its substeps are.
 const SLOWINGS: u32 = 12;
 
-/// What comes from outside into a substep.
+/// What acts on a substep from outside.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inputs<'a, R: Real> {
     /// Where obstacles are in it.
     pub(super) obstacles: &'a Placed<R>,
     /// A hand that pulls at particles.
     pub(super) grab: Option<&'a Grab<R>>,
-    /// One that pulls at a modal body.
+    /// A hand that pulls at a modal body.
     pub(super) modal_grab: Option<&'a Grab<R>>,
 }
 
@@ -146,9 +147,9 @@ pub(super) enum Ending {
     /// The state is at its end.
     Taken,
     /// The state is untouched: the implicit scheme would have given energy from nowhere, or the stabilised one would have
-    /// gone on with a body as if it were at rest that is torn apart in it.
+    /// treated a body as at rest that is torn apart in the substep.
     Refused,
-    /// The state is untouched: nobody waits for it any more.
+    /// The state is untouched: the timer stopped the substep.
     Stopped,
     /// The state is untouched: a number would not have been finite, or a body torn apart.
     Diverged,
@@ -213,20 +214,20 @@ pub(super) fn substep<R: Real>(
     Ending::Taken
 }
 
-/// What there is of the velocities that the forces predict once these are known.
+/// Whether the velocities that the forces predict are known with the forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Prediction {
-    /// Nothing.
+    /// They are not known yet.
     Missing,
-    /// All of them.
+    /// All of them are known.
     Made {
         /// Whether they lead to finite places.
         is_finite: bool,
     },
 }
 
-/// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule. Where those of links come
-/// last, particles are kicked on the way.
+/// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule. Where link forces come last,
+/// their pass also predicts the velocities.
 fn find_forces<R: Real>(
     begun: Substep<'_, R>,
     workspace: &mut StepWorkspace<R>,
@@ -252,9 +253,9 @@ fn find_forces<R: Real>(
     if is_predicted { Prediction::Made { is_finite: of_forces.is_finite() } } else { Prediction::Missing }
 }
 
-/// The velocities at the end, contact and hand included. Says whether there are any: the implicit scheme finds none
-/// where its equations would give energy from nowhere and the part is to be refused then, the stabilised scheme none where
-/// what is met tears a body apart that is not strained.
+/// Finds the velocities at the end, contact and hand included. Returns whether they may be used: the implicit scheme refuses
+/// them where its equations would give energy from nowhere, if `gain` says so, the stabilised scheme where contact tears
+/// apart a body that is not strained.
 fn find_velocities<R: Real>(
     begun: Substep<'_, R>,
     gain: Gain,
@@ -291,7 +292,7 @@ fn is_sound<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &
         return false;
     }
     if prediction == (Prediction::Made { is_finite: true }) && begun.grab.is_none() {
-        // Contact alone has changed any of them since.
+        // Since then contact alone has changed velocities.
         let between_bodies = contact.bodies.contacts.iter();
         let between_bodies = between_bodies.flat_map(|met| met.cell.iter().chain(met.own.iter()));
         let between_bodies = between_bodies.map(|(particle, _)| particle);
@@ -325,7 +326,7 @@ fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<
     }
 }
 
-/// Halves the velocities of bodies until they gain no energy from nowhere by them; what does even then stands still.
+/// Halves the velocities of each body until it gains no energy from nowhere; a body that does even then stands still.
 fn slow<R: Real>(
     begun: Substep<'_, R>,
     velocity: &mut [R::Vec3],
@@ -351,9 +352,9 @@ fn slow<R: Real>(
     }
 }
 
-/// Writes the velocities at the end of a substep from those that the forces predict, and the paths of schemes that move
-/// particles by others. Says whether it did: not where the stabilised scheme would go through a long substep, as if the body
-/// were at rest, in which links become many times as long.
+/// Writes the velocities at the end of a substep from the predicted ones, and the mean velocities of schemes that move
+/// particles by these. Returns false where the stabilised scheme would take a long substep for a body at rest although its
+/// links become many times as long in it.
 fn predicted_velocities<R: Real>(
     begun: Substep<'_, R>,
     prediction: Prediction,
@@ -373,7 +374,7 @@ fn predicted_velocities<R: Real>(
     true
 }
 
-/// The velocities that forces and a hand predict.
+/// Writes the velocities that forces and a hand predict.
 fn predict<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &mut StepWorkspace<R>) {
     let (mut stepper, _, velocity) = workspace.stepper(begun);
     if prediction == Prediction::Missing {
@@ -384,7 +385,7 @@ fn predict<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &m
     }
 }
 
-/// What bodies that meet each other or themselves leave of these.
+/// Changes the predicted velocities by contact of bodies with each other and themselves.
 fn meet_bodies<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let StepWorkspace { velocity, contact, modal, .. } = workspace;
     if !begun.bodies_are_near {
@@ -400,7 +401,7 @@ fn meet_bodies<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>,
     recorder.enter(Stage::Integrate);
 }
 
-/// What obstacles leave of these.
+/// Changes the predicted velocities by contact with obstacles.
 fn meet_obstacles<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let StepWorkspace { velocity, contact, .. } = workspace;
     if meets_implicitly(begun.plan) {
@@ -415,7 +416,7 @@ fn meet_obstacles<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<
     }
 }
 
-/// Takes what was met into the stages of the stabilised scheme. Says whether it did: not where a body that is not strained
+/// Hands the contacts found over to the stages of the stabilised scheme. Returns false where a body that is not strained
 /// would be torn apart.
 fn hold<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>) -> bool {
     let Substep { model, plan, state, dt, is_strained, .. } = begun;
@@ -428,19 +429,19 @@ fn hold<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>) -> boo
     true
 }
 
-/// The velocities at the end and the paths, with more forces on the way where the scheme has some.
+/// Finds the velocities at the end and the mean velocities, with more forces on the way where the scheme has stages.
 fn refine<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let (mut stepper, contact, velocity) = workspace.stepper(begun);
     stepper.refine(velocity, &contact.bodies.moved, recorder);
     if !schemes::moves_by_mean(begun.scheme) {
-        // Another scheme takes a part of the plan's.
+        // The part is taken by another scheme than the plan's.
         if let Some(path) = &mut workspace.scheme.path {
             path.copy_from_slice(&workspace.velocity);
         }
     }
 }
 
-/// What obstacles leave of paths that lead into them.
+/// Changes mean velocities that lead into obstacles.
 fn meet_on_paths<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let Some(path) = &mut workspace.scheme.path else { return };
     if begun.scheme == Scheme::Stabilised {
@@ -477,7 +478,7 @@ fn meets_implicitly(plan: &Plan) -> bool {
     plan.contact && plan.contact_rule == ContactRule::Implicit
 }
 
-/// Whether velocities lead everything that is awake to finite places.
+/// Whether velocities lead all particles that are awake to finite places.
 fn stays_finite<R: Real>(Substep { model, plan, state, dt, .. }: Substep<'_, R>, velocity: &[R::Vec3]) -> bool {
     sleep::awake(model, &state.bodies).all(|body| {
         let own = body.particles.clone();
@@ -485,7 +486,7 @@ fn stays_finite<R: Real>(Substep { model, plan, state, dt, .. }: Substep<'_, R>,
     })
 }
 
-/// `x += dt u`, of what is awake.
+/// `x += dt u` for the bodies that are awake.
 fn move_particles<R: Real>(model: &Model<R>, plan: &Plan, dt: R, state: &mut State<R>, path: &[R::Vec3]) {
     for body in sleep::awake(model, &state.bodies) {
         let own = body.particles.clone();

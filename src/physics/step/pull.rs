@@ -1,4 +1,4 @@
-//! What a hand does in a substep: a spring from a point of a body to a place, taken implicitly.
+//! The pull of a hand in a substep: a spring from a point of a body to a place, taken implicitly.
 //!
 //! The point is a weighted mean of particles, `p = Σ w x`, whose effective mass is `1 / Σ (w²/m)`. With the velocity
 //! `u` of the point at the end of the substep the pull is `J = dt (k (target − p − dt u) − d u)`, which solves to the
@@ -16,8 +16,8 @@ pub(in crate::physics) fn pull<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>,
     }
 }
 
-/// What a grab does in a substep to the particles that carry its point, by their weights, given the velocities they would
-/// have without it, N·s.
+/// The impulse of a grab in a substep, given the velocities without it, N·s. The particles that carry the point share it by
+/// their weights.
 pub(in crate::physics) fn impulse<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>, velocity: &[R::Vec3]) -> R::Vec3 {
     let Substep { model, state, dt, .. } = substep;
     let inverse_mass =
@@ -28,7 +28,7 @@ pub(in crate::physics) fn impulse<R: Real>(substep: Substep<'_, R>, grab: &Grab<
     pulling * (R::ONE / (R::ONE + resistance * inverse_mass))
 }
 
-/// The inverse of what a particle that is not held resists with, 1/kg.
+/// The inverse of a particle's effective mass, 1/kg; zero where it is held.
 fn mobility<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>, particle: usize) -> R {
     let body = &substep.model.bodies[grab.body];
     let local = particle - body.particles.start;

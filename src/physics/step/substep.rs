@@ -1,4 +1,4 @@
-//! The stretch of time that is taken at once, and what a substep begins with: read by all its stages, written by none.
+//! A substep or a part of it, and the inputs that all its stages read and none writes.
 
 use crate::math::Real;
 use crate::physics::contact::placed::Placed;
@@ -13,13 +13,13 @@ use crate::physics::state::State;
 pub(in crate::physics) struct Substep<'a, R: Real> {
     pub(in crate::physics) model: &'a Model<R>,
     pub(in crate::physics) plan: &'a Plan,
-    /// What moves, before it does.
+    /// The state as it begins.
     pub(in crate::physics) state: &'a State<R>,
     /// Where obstacles are in it.
     pub(in crate::physics) obstacles: &'a Placed<R>,
     /// Its length, s.
     pub(in crate::physics) dt: R,
-    /// What takes it.
+    /// The scheme that takes it.
     pub(in crate::physics) scheme: Scheme,
     /// Whether a body is strained, so that it is taken in parts.
     pub(in crate::physics) is_strained: bool,
@@ -27,7 +27,7 @@ pub(in crate::physics) struct Substep<'a, R: Real> {
     pub(in crate::physics) bodies_are_near: bool,
     /// A hand that pulls at particles.
     pub(in crate::physics) grab: Option<&'a Grab<R>>,
-    /// One that pulls at a modal body.
+    /// A hand that pulls at a modal body.
     pub(in crate::physics) modal_grab: Option<&'a Grab<R>>,
 }
 
@@ -44,15 +44,15 @@ impl<R: Real> Substep<'_, R> {
         if self.is_strained { rates.stages_strained(secs) } else { rates.stages_at_rest(secs) }
     }
 
-    /// How fast friction may stop a particle of a body in the stages of the stabilised scheme, 1/s: no faster than its links
-    /// do, which the stages are enough for.
+    /// The largest rate at which friction may stop a particle of a body in the stages of the stabilised scheme, 1/s: one
+    /// over the substep plus the damping of its links, which the stages are enough for.
     pub(in crate::physics) fn braking_rate(&self, body: usize) -> R {
         let damping = self.plan.stage_rates.as_ref().map_or(0.0, |rates| rates.own[body][1]);
         R::ONE / self.dt + R::from_f64(damping)
     }
 
-    /// What a particle (a local number) resists a push with, kg: its mass; in the long substeps of the stabilised scheme
-    /// also its links, as if their other ends stood still: `m + dt c + dt² k`.
+    /// The effective mass of a particle (a local number) against a push, kg: its mass; in the long substeps of the
+    /// stabilised scheme also its links, as if their other ends stood still: `m + dt c + dt² k`.
     pub(in crate::physics) fn inertia(&self, body: usize, local: usize) -> R {
         let mass = self.model.bodies[body].mass(local);
         match &self.plan.stage_rates {
@@ -71,27 +71,27 @@ impl<R: Real> Substep<'_, R> {
 pub(in crate::physics) struct Part {
     /// Its length, s.
     pub(in crate::physics) secs: f64,
-    /// What takes it.
+    /// The scheme that takes it.
     pub(in crate::physics) scheme: Scheme,
     /// Whether it is one of several because a body is strained.
     pub(in crate::physics) is_strained: bool,
     /// Whether bodies come near each other in it.
     pub(in crate::physics) bodies_are_near: bool,
-    /// What becomes of it where the implicit scheme would give energy from nowhere.
+    /// What to do where the implicit scheme would give energy from nowhere.
     pub(in crate::physics) gain: Gain,
-    /// Whether the substep begins with it: what is under way is not given up.
+    /// Whether the substep begins with it.
     pub(in crate::physics) is_first: bool,
     /// Whether the substep ends with it.
     pub(in crate::physics) is_last: bool,
 }
 
-/// What becomes of a part in which the implicit scheme would give a body energy from nowhere.
+/// What to do with a part in which the implicit scheme would give a body energy from nowhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::physics) enum Gain {
     /// It is refused, the state untouched.
     Refuse,
-    /// It is taken, with as much of the motion as gives none: there was enough work on the substep.
+    /// It is taken with so much of the motion as gives none: there was enough work on the substep.
     Slow,
-    /// It is taken as it is; nobody looks.
+    /// It is taken as it is, unchecked.
     Take,
 }

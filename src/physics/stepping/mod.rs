@@ -1,21 +1,20 @@
-//! How time is divided: the one place that says how long a part of a substep is and which scheme takes it, and has it
-//! taken.
+//! Divides time: decides how long a part of a substep is and which scheme takes it, and has it taken.
 //!
 //! ```text
-//! step       one dt: `Plan::substeps` substeps, as many as the bound of the scheme asks for at rest
-//! substep    whole; or in `Plan::parts` equal parts while links are strained (strain), and in as many as bodies need that
-//!            come near each other or themselves, by a scheme that has a place for their contact (`Plan::between_bodies`)
-//!            also where points of a body's mesh come near an obstacle (`Plan::on_mesh`), and
-//!            where the stabilised scheme finds that what bodies meet tears them apart in it
-//! part       with the implicit scheme it may be refused, as its linear equations would give energy from nowhere: it is
-//!            halved then, down to what an explicit scheme can take, which takes the smallest where that is refused too
+//! step       one dt: `Plan::substeps` substeps, as many as the scheme's stability limit at rest asks for
+//! substep    whole, or in equal parts: up to `Plan::parts` while links are strained (strain); as many as a scheme with a
+//!            place for the contact needs while bodies come near each other or themselves (`Plan::between_bodies`) or
+//!            points of a body's mesh come near an obstacle (`Plan::on_mesh`); and in parts where the stabilised scheme
+//!            finds that contact tears bodies apart in the whole
+//! part       the implicit scheme may refuse it, where its linear equations would give energy from nowhere: it is then
+//!            halved, down to a length that an explicit scheme can take, and left to that scheme where even this is refused
 //! work       past `Plan::most_work` nothing is halved any more: parts are as long as the grid of halves allows, and
 //!            bodies that would gain energy are slowed
 //! ```
 //!
 //! Modal bodies move after the particles of each part.
 //!
-//! What is under way is in the state, so that a state saved in the middle of a divided step goes on bit for bit.
+//! The division under way is in the state, so that a state saved in the middle of a divided step goes on bit for bit.
 
 pub(in crate::physics) mod looks;
 pub(in crate::physics) mod strain;
@@ -34,8 +33,8 @@ use super::step::{Ending, Inputs, StepWorkspace, substep};
 use crate::math::Real;
 use strain::WhileStrained;
 
-/// Advances by a part of a substep that the linear equations of the implicit scheme hold for; with other schemes by all
-/// of it, in parts while a body is strained.
+/// Advances by a substep, in the parts that it is divided into; with the implicit scheme by one part, for which its linear
+/// equations hold.
 pub(super) fn advance<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -91,7 +90,7 @@ pub(super) fn advance<R: Real>(
     recorder.leave(ending == Ending::Diverged)
 }
 
-/// Moves modal bodies over a part. Says whether all numbers are finite.
+/// Moves modal bodies over a part. Returns whether all numbers are finite.
 fn advance_modal<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -114,7 +113,7 @@ fn advance_modal<R: Real>(
     report.is_finite
 }
 
-/// A whole substep in one part, come what may, by a scheme that has a place for all that may meet in it.
+/// A whole substep in one part that is never refused, by a scheme that has a place for all contact in it.
 pub(in crate::physics) fn whole(plan: &Plan) -> Part {
     Part {
         secs: plan.substep_secs(),
@@ -127,7 +126,7 @@ pub(in crate::physics) fn whole(plan: &Plan) -> Part {
     }
 }
 
-/// The first of the parts that the coming substep is divided into, before any is halved, come what may.
+/// The first of the parts that the coming substep is divided into, before any is halved; it is never refused.
 pub(in crate::physics) fn first_part<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -139,33 +138,32 @@ pub(in crate::physics) fn first_part<R: Real>(
     Part { secs, scheme, is_strained: parts > 1, bodies_are_near, ..whole(plan) }
 }
 
-/// A substep in the parts that it is taken in: those that the strain of bodies asks for, or the next of the parts that it
-/// was halved into.
+/// The division of a substep: into equal parts for strain and contact, or into the halves of the implicit scheme.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a fact about the substep, and any mixture may be")]
 struct Division {
     parts: u32,
     left: u32,
-    /// How long each of them is, s.
+    /// The length of each part, s.
     secs: f64,
-    /// How many there are while a body is strained; it is looked out for between them where those are more.
+    /// The parts while a body is strained; strain is looked out for between parts where these are more.
     while_strained: WhileStrained,
-    /// How long ago it was, s.
+    /// How long ago links were looked at, s.
     unseen_secs: f64,
-    /// What takes them.
+    /// The scheme that takes the parts.
     scheme: Scheme,
     /// Whether bodies come near each other.
     bodies_are_near: bool,
-    /// Whether the mesh of one comes near an obstacle.
+    /// Whether the mesh of a body comes near an obstacle.
     on_mesh: bool,
     /// Whether the smallest part was refused, so that the explicit scheme takes it.
     is_explicit: bool,
-    /// Whether the whole was refused, as bodies would be torn apart in it.
+    /// Whether the whole substep was refused, as bodies would be torn apart in it.
     tears: bool,
 }
 
 impl Division {
-    /// Of the coming substep.
+    /// The division of the coming substep.
     fn of<R: Real>(
         model: &Model<R>,
         plan: &Plan,
@@ -183,7 +181,7 @@ impl Division {
         let bodies_are_near = near.is_some();
         let on_mesh = plan.on_mesh.filter(|_| samples::comes_near(model, plan, obstacles, state, secs));
         let near = near.max(on_mesh.map(|on_mesh| on_mesh.parts));
-        // What a mesh meets obstacles by has a place for bodies that meet, too.
+        // The scheme for contact of meshes with obstacles has a place for contact between bodies, too.
         let met = on_mesh.or(plan.between_bodies.filter(|_| near.is_some()));
         let scheme = met.map_or(plan.scheme, |met| met.scheme);
         let strained_parts =
@@ -214,7 +212,7 @@ impl Division {
             counters.slowed += u64::from(state.work != SPENT);
             state.work = SPENT;
             state.coarsen();
-            // The part may be a long one again.
+            // The part may be too long for the explicit scheme again.
             self.is_explicit = false;
         }
         let length = state.next_length();
@@ -237,7 +235,7 @@ impl Division {
         })
     }
 
-    /// The part was taken.
+    /// Counts a part as taken.
     fn take(&mut self) {
         (self.left, self.is_explicit) = (self.left - 1, false);
     }
@@ -265,7 +263,8 @@ impl Division {
         }
     }
 
-    /// The whole substep was refused as the velocities that were found would tear bodies apart: those are strained from now on.
+    /// Divides a substep that was refused as the velocities found would tear bodies apart; these bodies are strained from
+    /// now on.
     fn divide_torn<R: Real>(
         &mut self,
         model: &Model<R>,
@@ -281,14 +280,14 @@ impl Division {
         self.tears = true;
     }
 
-    /// Nothing of the substep is taken: that bodies would be torn apart is found again.
+    /// Forgets that bodies would be torn apart where no part of the substep was taken: it is found again.
     fn forget_tears<R: Real>(&self, state: &mut State<R>) {
         if self.tears && self.left == self.parts {
             state.bodies.iter_mut().filter(|memory| !memory.asleep).for_each(|memory| memory.strain = Strain::Small);
         }
     }
 
-    /// The part was refused: it is halved, or left to the explicit scheme.
+    /// Halves a part that was refused, or leaves it to the explicit scheme.
     fn refuse<R: Real>(&mut self, plan: &Plan, state: &mut State<R>, counters: &mut Counters) {
         if state.halvings < plan.halvings {
             state.halvings += 1;
@@ -300,13 +299,13 @@ impl Division {
 }
 
 impl<R: Real> State<R> {
-    /// The length of the part that comes next, in parts of 2 to the power of minus [`MOST_HALVINGS`] of the substep.
+    /// The length of the part that comes next, in units of 2^−[`MOST_HALVINGS`] of the substep.
     fn next_length(&self) -> u64 {
         1 << (MOST_HALVINGS - self.halvings)
     }
 
-    /// Counts the next part as done and goes on as coarsely as the grid of halves allows. Says whether the substep is
-    /// done.
+    /// Counts the next part as done and makes the one after it longer where the grid of halves allows. Returns whether the
+    /// substep is done.
     pub(super) fn end_part(&mut self) -> bool {
         let length = self.next_length();
         self.part += length;

@@ -1,14 +1,14 @@
 //! Strained bodies: links far from their length make a body stiffer than it is at rest, so that steps that are safe at
 //! rest give it energy.
 //!
-//! The bound at rest does not hold there. While any link is longer or shorter by far than at rest a substep is taken in
-//! parts: as many as the links ask for as they point at the last look ([`crate::physics::limits::present`]), and where they
-//! turn by much within a substep so many that it is bounded in any state ([`crate::physics::limits::any_state`]). At rest that
-//! would cost three times as much for nothing.
+//! The stability limit at rest does not hold there. While any link is far longer or shorter than at rest, a substep is taken
+//! in parts: as many as the directions of the links at the last look ask for ([`crate::physics::limits::present`]), and,
+//! where links turn far within a substep, as many as are stable in any state ([`crate::physics::limits::any_state`]). At
+//! rest that would cost three times as much for nothing.
 //!
-//! Each length of step conserves an energy of its own, so a change of it gives or takes some; a body that swings across the
-//! limit would change it at the same place of every swing, and gain a little each time. So a body has to be calm for a
-//! while before its substeps are whole again.
+//! Each step length conserves an energy of its own, so a change of length adds or takes some. A body that swings across the
+//! strain limit would change the length at the same place of every swing, and gain a little each time. So a body has to be
+//! calm for a while before its substeps are whole again.
 
 use crate::math::Real;
 use crate::physics::forces::strain::{self, StraightMotion};
@@ -20,51 +20,52 @@ use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State, Strain};
 use crate::physics::stepping::looks;
 
-/// The strain of a body is large from the larger of these of any link on, stretched or compressed, until all are below the
-/// smaller: that of bodies that fall on the ground of their own weight is not. Where the scheme does not bear that much
-/// the body is taut from smaller ones on ([`Plan::strains`]): what takes substeps in which it meets others may bear more.
+/// The strain of a body becomes large when any link, stretched or compressed, exceeds the larger of these, and stays so
+/// until all links are below the smaller. Bodies that fall on the ground by their own weight stay below. Where the plan's
+/// scheme bears less, a body counts as taut above smaller strains ([`Plan::strains`]): the scheme of substeps in which it
+/// meets others may bear more.
 pub(crate) const STRAINS: [f64; 2] = [0.5, 0.7];
 
-/// For so long all links have to be below the smaller of them, s, ...
+/// How long all links have to be below the smaller strain until the body is calm, s, ...
 const CALM_SECS: f64 = 0.25;
 
-/// ... and for so many substeps, where these are long.
+/// ... and for how many substeps at least.
 const CALM_SUBSTEPS: u64 = 100;
 
-/// From look to look what the links of a strained body add counts as no less than this share of what it was: for the same
-/// reason.
+/// From look to look the load of a strained body's links falls to no less than this share: it, too, sets the step length,
+/// which must not change suddenly.
 const LOAD_KEPT: f64 = 0.98;
 
-/// The ends of a link in a strained body move past each other by no more than this share of its length in a part: what turns
-/// about or is turned inside out within a step is stiffer on the way than at either end.
+/// How far the ends of a link in a strained body move relative to each other in a part at most, in its length: a link that
+/// turns about or is turned inside out within a step is stiffer on the way than at either end.
 const MOST_WAY: f64 = 0.5;
 
 /// Into how many parts substeps are divided while a body is strained.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct WhileStrained {
-    /// So many while none is, ...
+    /// The parts while no body is strained.
     pub(in crate::physics) whole: u32,
-    /// So many, which take...
+    /// The parts while a body is strained.
     pub(in crate::physics) parts: u32,
-    /// ... this scheme, ...
+    /// The scheme that takes the parts.
     pub(in crate::physics) scheme: Scheme,
-    /// ... and from this strain on.
+    /// The least strain of a body that counts as strained here.
     pub(in crate::physics) from: Strain,
 }
 
 impl WhileStrained {
-    /// That many parts taken by a scheme.
+    /// The division into these numbers of parts, taken by a scheme.
     pub(in crate::physics) fn by(scheme: Scheme, [whole, parts]: [u32; 2], plan: &Plan) -> Self {
         Self { whole, parts, scheme, from: if scheme == plan.scheme { Strain::Taut } else { Strain::Large } }
     }
 
-    /// As many as bodies ask for that are strained as they are; none where none is.
+    /// The parts that the bodies need as they are strained now; none where none is.
     fn needed<R: Real>(self, model: &Model<R>, plan: &Plan, state: &State<R>) -> Option<u32> {
         let secs = plan.substep_secs() / f64::from(self.whole);
         let of = |(body, memory): (&BodyModel<R>, &BodyMemory)| {
             let is_strained = memory.strain >= self.from;
-            // What pushes cells back that are near inversion is no link. The longer substeps of the stabilised scheme would bear
-            // little of it also where links do not ask for shorter ones.
+            // The push on cells near inversion is not a link force. The longer substeps of the stabilised scheme bear little
+            // of it, even where links need no shorter ones.
             let is_crushed =
                 (is_strained || self.scheme == Scheme::Stabilised) && recovery::pushes(body, memory, state);
             let is_known = self.scheme == Scheme::SemiImplicit && memory.load != LinkLoad::default();
@@ -79,9 +80,9 @@ impl WhileStrained {
     }
 }
 
-/// Looks at the links where it is due, as they are and as they would be after the substep, and tells into how many parts
-/// the coming substep is divided: one, or as many at least as strained bodies ask for. `spreads` tells how fast the particles
-/// of each body move past each other, m/s.
+/// Looks at the links where that is due, as they are and as they would be after the substep. Returns into how many parts the
+/// coming substep is divided: one, or at least as many as strained bodies need. `spreads` bounds the relative speeds of each
+/// body's particles, m/s.
 pub(in crate::physics) fn parts_now<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -102,14 +103,14 @@ pub(in crate::physics) fn parts_now<R: Real>(
         by_way = look(model, plan, whose, motion, bodies, forces);
     }
     let needed = while_strained.needed(model, plan, state);
-    // Where links turn that far in the substep it does not matter how they point now.
+    // Where links turn far in the substep, their present directions do not matter.
     needed.map_or(by_way, |needed| if by_way > 1 { by_way.max(while_strained.parts) } else { needed })
 }
 
-/// Looks at the links between two parts of a substep of no strained body, where it is due `unseen` (s) after the last look;
-/// the next part is so long, s. Says how many parts of the substep bodies that are strained by now ask for: one that is caught
-/// in a long substep that another scheme takes in parts, for bodies that come near each other, would go through the rest of
-/// them as if it were at rest.
+/// Looks at the links between two parts of a substep that began without a strained body, where that is due: the last look
+/// was `unseen` (s) ago, and the next part is `secs` (s) long. Returns how many parts of the substep the bodies need that
+/// are strained by now. Without this, a body that becomes strained in a long substep that is divided for contact between
+/// bodies would go through its other parts as if it were at rest.
 pub(in crate::physics) fn parts_by_now<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -128,8 +129,8 @@ pub(in crate::physics) fn parts_by_now<R: Real>(
     while_strained.needed(model, plan, state)
 }
 
-/// Whether links of a body that is awake and not strained would be beyond the larger strain in this motion: where what it
-/// meets leaves them to some particles and stops others.
+/// Whether links of a body that is awake and not strained would exceed the larger strain in this motion, as where contact
+/// stops some particles and not others.
 pub(in crate::physics) fn tear<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -155,12 +156,12 @@ pub(in crate::physics) enum Whose {
     Strained,
     /// Those of all.
     All,
-    /// Those of all, between two parts of a substep: nobody has been calm for a substep more.
+    /// Those of all, between two parts of a substep: it does not count as one more calm substep.
     AllWithinSubstep,
 }
 
-/// Looks at the links in a motion, remembers which bodies are strained, and tells into how many parts the time of the motion
-/// has to be divided for the ways that links of these go in it.
+/// Looks at the links in a motion and remembers which bodies are strained. Returns into how many parts the motion has to be
+/// divided so that no link of a strained body goes too far in one.
 pub(in crate::physics) fn look<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -215,7 +216,7 @@ pub(in crate::physics) fn look<R: Real>(
     let longest_way = strained.fold(0.0, |most: f64, (body, _)| {
         let own = motion.of(body);
         let bound = looks::spread_of::<R>(plan, own.velocity) * body.inverse_cell_size.to_f64() * own.secs.to_f64();
-        // No link is shorter at rest than a cell, and particles that are slow past each other need not be looked at one by one.
+        // No link is shorter at rest than a cell: where particles are slow relative to each other, the bound is enough.
         most.max(if bound <= MOST_WAY { bound } else { strain::longest_way(body, own) })
     });
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
@@ -250,7 +251,7 @@ mod tests {
         (scene, vec![lattice])
     }
 
-    /// Particles all over the place, as far apart as so many body sizes.
+    /// Particles at random places, up to `size` (m) from the origin along each axis.
     fn crumpled(scene: &Scene, lattices: &[Arc<Lattice>], size: f64) -> Simulation<f64> {
         let mut simulation = Simulation::<f64>::new(scene, lattices);
         let mut rng = Rng::new(5);

@@ -1,4 +1,4 @@
-//! Cells as frames, those turned inside out crossed.
+//! Cells as frames; those turned inside out are crossed.
 
 use super::all_with;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
@@ -22,7 +22,7 @@ pub(in crate::render) struct CellsPass {
     pipeline: wgpu::RenderPipeline,
     styles: StyleUniforms,
     cells: UploadCache<[u32; 8]>,
-    /// The cells of every look and how many they are.
+    /// The cells of every style, and their number.
     sets: Vec<(wgpu::Buffer, u32)>,
 }
 
@@ -70,7 +70,7 @@ impl CellsPass {
         Ok(())
     }
 
-    /// Draws them. Says whether anything was drawn.
+    /// Draws the cells. Returns whether anything was drawn.
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
         for (index, (cells, count)) in self.sets.iter().enumerate() {
             pass.set_pipeline(&self.pipeline);

@@ -1,11 +1,12 @@
-//! Contact shadows: a map of how high the lowest surface is over every place, softened.
+//! Contact shadows: a map of the height of the lowest surface over every place, softened.
 
 use super::depth::{Casters, DepthPass};
 use crate::render::contact_fit::CONTACT_SIZE;
 use crate::render::shader;
 use crate::render::target::attachment;
 
-/// Heights over two distances of softening; filtered when looked up, which full floats need not be.
+/// Heights over two distances of softening. The map is filtered when it is read, which not every device can do with full
+/// floats.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg16Float;
 
 /// Draws the map of contact shadows.
@@ -14,7 +15,7 @@ pub(in crate::render) struct ContactShadowPass {
     below: DepthPass,
     soften: wgpu::RenderPipeline,
     lowest: wgpu::BindGroup,
-    /// Metres above the map's origin.
+    /// The heights, metres above the map's origin.
     pub(in crate::render) map: wgpu::TextureView,
 }
 

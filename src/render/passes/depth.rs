@@ -1,4 +1,4 @@
-//! Depth of what casts shadows, seen from the light or from below: what shadows are made from.
+//! Depth of everything that casts shadows, seen from the light or from below; shadows are made from it.
 
 use super::vertex_layout;
 use crate::render::layout::{DeformedVertex, SolidInstance, SolidVertex};
@@ -14,18 +14,18 @@ pub(in crate::render) struct DepthPass {
     label: &'static str,
     body: wgpu::RenderPipeline,
     obstacle: wgpu::RenderPipeline,
-    /// Depth 0 where the map looks from, 1 where nothing is.
+    /// Depth, 0 at the viewpoint of the map, 1 where nothing is.
     pub(in crate::render) map: wgpu::TextureView,
 }
 
-/// What casts shadows.
+/// Everything that casts shadows.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::render) struct Casters<'a> {
     /// Bodies.
     pub(in crate::render) skins: &'a [SkinBuffers],
     /// Obstacles.
     pub(in crate::render) solids: &'a [Solid],
-    /// Where the obstacles are.
+    /// The instances of the obstacles.
     pub(in crate::render) instances: &'a wgpu::Buffer,
     /// The shapes of obstacles.
     pub(in crate::render) shapes: &'a Shapes,
@@ -85,7 +85,7 @@ impl DepthPass {
         }
     }
 
-    /// Draws all bodies and those obstacles that are wanted.
+    /// Draws all bodies and the obstacles chosen.
     pub(in crate::render) fn run(
         &self,
         encoder: &mut wgpu::CommandEncoder,

@@ -49,7 +49,7 @@ impl FillsPass {
         Ok(())
     }
 
-    /// Draws them. Says whether anything was drawn.
+    /// Draws the shapes. Returns whether anything was drawn.
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
         for (corners, count) in &self.ready {
             pass.set_pipeline(&self.pipeline);

@@ -1,4 +1,4 @@
-//! Overlay lines: what hangs on particles or skins, what is placed in the world, what is placed on the screen.
+//! Overlay lines: between particles or skin vertices, between places in the world, or on the screen.
 
 use super::all_with;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
@@ -16,7 +16,7 @@ use crate::view::style::OverlayColors;
 /// Draws overlay lines.
 #[derive(Debug)]
 pub(in crate::render) struct LinesPass {
-    /// Each for what is seen and for what is hidden.
+    /// Two pipelines each, for the visible part and for the hidden one.
     carried: [wgpu::RenderPipeline; 2],
     placed: [wgpu::RenderPipeline; 2],
     screen: wgpu::RenderPipeline,
@@ -26,7 +26,7 @@ pub(in crate::render) struct LinesPass {
     sets: Vec<Prepared>,
 }
 
-/// Lines of one look, ready to be drawn with the look of the same place.
+/// Lines of one style, ready to be drawn with the style of the same index.
 #[derive(Debug)]
 struct Prepared {
     kind: Kind,
@@ -129,12 +129,12 @@ impl LinesPass {
         Ok(())
     }
 
-    /// Draws what hangs on particles and skins. Says whether anything was drawn.
+    /// Draws the lines that hang on particles and skins. Returns whether anything was drawn.
     pub(in crate::render) fn draw_carried(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
         self.draw(pass, Kind::Carried)
     }
 
-    /// Draws the rest. Says whether anything was drawn.
+    /// Draws the rest. Returns whether anything was drawn.
     pub(in crate::render) fn draw_placed(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
         let placed = self.draw(pass, Kind::Placed);
         self.draw(pass, Kind::Screen) || placed
@@ -150,7 +150,7 @@ impl LinesPass {
             };
             pass.set_bind_group(1, self.styles.get(index), &[]);
             pass.set_vertex_buffer(0, set.instances.slice(..));
-            // What is hidden first: lines of one look must not hide each other before they are drawn.
+            // The hidden parts go first, so that lines of one style do not hide each other before they are drawn.
             for (pipeline, wanted) in pipelines.iter().zip([true, set.has_hidden]).rev() {
                 if wanted {
                     pass.set_pipeline(pipeline);

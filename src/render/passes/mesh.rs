@@ -9,18 +9,18 @@ use crate::render::target::Output;
 /// Draws bodies.
 #[derive(Debug)]
 pub(in crate::render) struct MeshPass {
-    /// Front faces, then back faces: hidden back faces of closed bodies cost nothing, open ones are still seen.
+    /// Front faces, then back faces, so that hidden back faces of closed bodies cost nothing and open bodies show theirs.
     pipelines: [wgpu::RenderPipeline; 2],
-    /// Front faces, blended, for bodies that are seen through.
+    /// Front faces, blended, for see-through bodies.
     sheer: wgpu::RenderPipeline,
 }
 
-/// Which triangles of a skin are drawn.
+/// A choice of triangles of a skin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::render) enum Triangles {
     /// All of them.
     All,
-    /// Those without a picture.
+    /// The triangles without a picture.
     Plain,
 }
 
@@ -53,7 +53,7 @@ impl MeshPass {
         }
     }
 
-    /// Draws each skin with the instance of the same place.
+    /// Draws each skin with the instance of the same index.
     pub(in crate::render) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -66,7 +66,7 @@ impl MeshPass {
         }
     }
 
-    /// As [`MeshPass::draw`], over what is there already and with an `opacity` of 0..1.
+    /// As [`MeshPass::draw`], but blended over the picture with an `opacity` of 0..1.
     pub(in crate::render) fn draw_sheer(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -101,7 +101,7 @@ fn draw_with(
     }
 }
 
-/// Mixes with what is there by a constant of the pass.
+/// Blends with the picture by the constant of the pass.
 pub(super) fn by_constant() -> wgpu::BlendState {
     let component = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::Constant,

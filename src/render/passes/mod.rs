@@ -19,7 +19,7 @@ pub(super) mod textured;
 use super::shader::Shader;
 use super::target::{DEPTH_FORMAT, Output};
 
-/// What a pipeline that draws into the picture differs in.
+/// The differences between pipelines that draw into the picture.
 #[derive(Clone, Copy)]
 struct Drawing<'a> {
     shader: Shader,
@@ -33,13 +33,13 @@ struct Drawing<'a> {
     cull: Option<wgpu::Face>,
 }
 
-/// Where a pipeline enters its shader, and what it does with depth.
+/// The entry points of a pipeline's shader, and its use of depth.
 #[derive(Clone, Copy)]
 struct Entries {
     vertex: &'static str,
     fragment: &'static str,
     compare: wgpu::CompareFunction,
-    /// For passes that have pipelines that do and others that do not.
+    /// Whether depth is written, in passes where only some pipelines do that.
     writes_depth: bool,
 }
 
@@ -52,14 +52,14 @@ impl Default for Entries {
 }
 
 impl Entries {
-    /// What nothing lies before.
+    /// For visible fragments: nothing lies in front of them.
     const SEEN: Self =
         Self { vertex: "placed", fragment: "seen", compare: wgpu::CompareFunction::GreaterEqual, writes_depth: false };
-    /// What something lies before.
+    /// For hidden fragments: something lies in front of them.
     const HIDDEN: Self = Self { fragment: "hidden", compare: wgpu::CompareFunction::Less, ..Self::SEEN };
 }
 
-/// Strips of two triangles, one an instance, or triangles, that are blended over the picture.
+/// A drawing of triangles, or of strips of two triangles per instance, that are blended over the picture.
 fn overlay_drawing<'a>(
     shader: Shader,
     topology: wgpu::PrimitiveTopology,
@@ -81,7 +81,7 @@ fn drawing_pipeline(device: &wgpu::Device, output: Output, drawing: &Drawing<'_>
     drawing_pipeline_with(device, output, drawing, Entries::default())
 }
 
-/// As [`drawing_pipeline`], with a say in entry points and depth.
+/// As [`drawing_pipeline`], with the given entry points and use of depth.
 fn drawing_pipeline_with(
     device: &wgpu::Device,
     output: Output,

@@ -1,5 +1,5 @@
-//! The outline of what is selected. First a mask of it, then lines along the edges of its silhouette (or around an obstacle)
-//! that are drawn only where the mask is empty: what is left of them covers none of it.
+//! The outline of the selected thing. First draws a mask of the thing, then lines along the edges of its silhouette (or
+//! around an obstacle), but only where the mask is empty, so that they cover no part of the thing.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;
@@ -20,15 +20,16 @@ use crate::render::upload_cache::{StyleUniforms, UploadCache};
 use crate::view::overlay::Segment;
 use crate::view::{DrawList, Selected, Solid};
 
-/// How wide the outline is, pixels.
+/// Width of the outline, pixels.
 const WIDTH: f32 = 2.5;
-/// What is left of it behind other things.
+/// Opacity of the outline behind other things, as a share.
 const HIDDEN: f32 = 0.35;
 /// Lines around a circle.
 const SIDES: u16 = 128;
-/// What lies less than this share of its distance ahead of the eye, which looks at the middle, has the eye among it.
+/// If a point's depth ahead of the eye, which looks at the middle, is below this share of its distance, the eye is among the
+/// points.
 const NEAREST: f32 = 1e-3;
-/// How much of a pixel the selected thing covers.
+/// The mask stores how much of a pixel the selected thing covers.
 const MASK_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
 
 /// Draws outlines.
@@ -37,7 +38,7 @@ pub(in crate::render) struct OutlinePass {
     output: Output,
     mask_body: wgpu::RenderPipeline,
     mask_obstacle: wgpu::RenderPipeline,
-    /// Each for what is hidden, then for what is seen.
+    /// Two pipelines each, for the hidden part and then for the visible one.
     carried: [wgpu::RenderPipeline; 2],
     placed: [wgpu::RenderPipeline; 2],
     styles: StyleUniforms,
@@ -59,7 +60,7 @@ struct Mask {
     bind_group: wgpu::BindGroup,
 }
 
-/// The lines around a solid, kept while it and the eye stay.
+/// The lines around a solid, kept until it or the eye moves.
 #[derive(Debug)]
 struct Around {
     solid: Solid,
@@ -67,22 +68,22 @@ struct Around {
     segments: Arc<Vec<Segment>>,
 }
 
-/// What is outlined in this frame.
+/// The thing outlined in this frame.
 #[derive(Debug)]
 struct Ready {
     selected: Selected,
-    /// The lines around an obstacle and how many there are; those of a body are found on the device.
+    /// The lines around an obstacle and their number; those of a body are found on the device.
     placed: Option<(wgpu::Buffer, u32)>,
 }
 
-/// What the mask may be of.
+/// The things that the mask may show.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::render) struct Masked<'a> {
     /// Bodies.
     pub(in crate::render) skins: &'a [SkinBuffers],
     /// Obstacles.
     pub(in crate::render) solids: &'a [Solid],
-    /// Where the obstacles are.
+    /// The instances of the obstacles.
     pub(in crate::render) instances: &'a wgpu::Buffer,
     /// The shapes of obstacles.
     pub(in crate::render) shapes: &'a Shapes,
@@ -138,7 +139,7 @@ impl OutlinePass {
         }
     }
 
-    /// Brings the device up to date; counts what is uploaded. Something selected that is not there has no outline.
+    /// Brings the device up to date; counts what is uploaded. A selected thing that does not exist has no outline.
     pub(in crate::render) fn prepare(
         &mut self,
         Device { device, queue }: Device<'_>,
@@ -189,7 +190,7 @@ impl OutlinePass {
         Ok(())
     }
 
-    /// Draws the mask of what is selected and finds its silhouette; false where nothing is.
+    /// Draws the mask of the selected thing and finds its silhouette; returns false if nothing is selected.
     pub(in crate::render) fn mask(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -234,7 +235,7 @@ impl OutlinePass {
         true
     }
 
-    /// Draws the lines, into the picture.
+    /// Draws the lines into the picture.
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         let (Some(ready), Some(mask)) = (&self.ready, &self.mask) else { return };
         pass.set_bind_group(1, self.styles.get(0), &[]);
@@ -272,7 +273,7 @@ impl Mask {
     }
 }
 
-/// Fills whatever a thing covers, whatever lies before it.
+/// Makes a pipeline that fills every pixel a thing covers, even behind other things.
 fn mask_pipeline(
     device: &wgpu::Device,
     output: Output,
@@ -309,7 +310,7 @@ fn mask_pipeline(
     })
 }
 
-/// The lines around a solid, made anew where it or the eye has moved.
+/// The lines around a solid, renewed when it or the eye has moved.
 fn around(kept: &mut Option<Around>, solid: &Solid, eye: Vec3) -> Arc<Vec<Segment>> {
     if let Some(around) = kept.as_ref().filter(|around| around.solid == *solid && around.eye == eye) {
         return Arc::clone(&around.segments);
@@ -331,7 +332,7 @@ fn around(kept: &mut Option<Around>, solid: &Solid, eye: Vec3) -> Arc<Vec<Segmen
         }
         Solid::Capsule { center, arm, radius } => {
             let ends = [center - arm, center + arm].map(|end| silhouette(end, radius, eye));
-            // From within one of the balls there is none.
+            // Seen from within one of the balls there is no outline.
             if ends.iter().any(Vec::is_empty) { Vec::new() } else { seen_around(ends.concat(), eye) }
         }
         Solid::Mesh { .. } => Vec::new(),
@@ -350,7 +351,7 @@ fn around(kept: &mut Option<Around>, solid: &Solid, eye: Vec3) -> Arc<Vec<Segmen
     segments
 }
 
-/// The circle in which lines of sight touch a sphere; nothing from within.
+/// The circle in which lines of sight touch a sphere; no points if the eye is inside.
 fn silhouette(center: Vec3, radius: f32, eye: Vec3) -> Vec<Vec3> {
     let to_eye = eye - center;
     let share = radius / to_eye.length();
@@ -362,14 +363,14 @@ fn silhouette(center: Vec3, radius: f32, eye: Vec3) -> Vec<Vec3> {
     circle(center + to_eye * share * share, u * reach, v * reach).collect()
 }
 
-/// The points around a circle with these two arms.
+/// The points of a circle with these two arms.
 fn circle(center: Vec3, u: Vec3, v: Vec3) -> impl Iterator<Item = Vec3> {
     let side = |side: u16| (TAU * f32::from(side) / f32::from(SIDES)).sin_cos();
     (0..SIDES).map(side).map(move |(sin, cos)| center + u * cos + v * sin)
 }
 
-/// Those of some points of a convex thing that lie around it as the eye sees it, in their order (the convex hull of what is
-/// seen, by Andrew's monotone chains); nothing where the eye is among them.
+/// Those points of a convex thing that lie on its outline as the eye sees it, in order (the convex hull of the projected
+/// points, by Andrew's monotone chains); none if the eye is among the points.
 fn seen_around(points: Vec<Vec3>, eye: Vec3) -> Vec<Vec3> {
     let middle = points.iter().sum::<Vec3>() / points.len() as f32;
     let Some(ahead) = (middle - eye).try_normalize() else { return Vec::new() };
@@ -394,7 +395,7 @@ fn seen_around(points: Vec<Vec3>, eye: Vec3) -> Vec<Vec3> {
             }
             around.push(point);
         }
-        // The last one begins the other chain.
+        // The last point of a chain begins the other chain.
         around.pop();
     }
     around.into_iter().map(|(_, point)| point).collect()

@@ -1,4 +1,4 @@
-//! Overlay points: particles, or places in the world.
+//! Overlay points: at particles, or at places in the world.
 
 use super::all_with;
 use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
@@ -16,7 +16,7 @@ use crate::view::style::OverlayColors;
 /// Draws overlay points.
 #[derive(Debug)]
 pub(in crate::render) struct PointsPass {
-    /// Each for what is seen and for what is hidden.
+    /// Two pipelines each, for the visible part and for the hidden one.
     carried: [wgpu::RenderPipeline; 2],
     placed: [wgpu::RenderPipeline; 2],
     styles: StyleUniforms,
@@ -24,10 +24,10 @@ pub(in crate::render) struct PointsPass {
     sets: Vec<Prepared>,
 }
 
-/// Points of one look, ready to be drawn with the look of the same place.
+/// Points of one style, ready to be drawn with the style of the same index.
 #[derive(Debug)]
 struct Prepared {
-    /// Where they are; particles where absent.
+    /// The places of the points; if absent, they are particles.
     places: Option<wgpu::Buffer>,
     count: u32,
     has_hidden: bool,
@@ -100,12 +100,12 @@ impl PointsPass {
         Ok(())
     }
 
-    /// Draws particles. Says whether anything was drawn.
+    /// Draws the points at particles. Returns whether anything was drawn.
     pub(in crate::render) fn draw_carried(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
         self.draw(pass, false)
     }
 
-    /// Draws the rest. Says whether anything was drawn.
+    /// Draws the rest. Returns whether anything was drawn.
     pub(in crate::render) fn draw_placed(&self, pass: &mut wgpu::RenderPass<'_>) -> bool {
         self.draw(pass, true)
     }

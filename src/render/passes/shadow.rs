@@ -16,7 +16,7 @@ impl ShadowPass {
         Self { depth: DepthPass::new(device, shader::SHADOW, frame_layout, size) }
     }
 
-    /// Depth 0 nearest to the light, 1 where nothing is.
+    /// Depth, 0 nearest to the light, 1 where nothing is.
     pub(in crate::render) fn map(&self) -> &wgpu::TextureView {
         &self.depth.map
     }

@@ -1,5 +1,5 @@
-//! The silhouette of a deformed skin: those of its edges at which the surface folds over as the eye sees it, found on
-//! the device in every frame. A fine mesh has a hundred thousand edges, and a silhouette of a few hundred.
+//! The silhouette of a deformed skin: the edges at which the surface folds over as the eye sees it, found on the device in
+//! every frame. A fine mesh has a hundred thousand edges, and a silhouette of a few hundred.
 
 use std::sync::Arc;
 
@@ -14,9 +14,9 @@ use crate::view::Skin;
 
 /// Invocations of a workgroup in `silhouette.wgsl`.
 const WORKGROUP: u32 = 64;
-/// Workgroups along one direction that every device takes.
+/// The most workgroups along one direction that every device takes.
 const MOST_GROUPS: u32 = 65_535;
-/// What is drawn of every edge: a strip of four corners; the number of edges is found on the device.
+/// The indirect draw: a strip of four corners per edge; the device fills in the number of edges.
 const STRIP: [u32; 4] = [4, 0, 0, 0];
 
 /// Finds silhouettes.
@@ -75,7 +75,7 @@ impl SilhouettePass {
         Self { pipeline, layout, of: None }
     }
 
-    /// Gets ready to find the silhouette of a skin; counts what is uploaded. A skin without edges has none.
+    /// Prepares to find the silhouette of a skin; counts what is uploaded. A skin without edges has no silhouette.
     pub(super) fn prepare(
         &mut self,
         Device { device, queue }: Device<'_>,
@@ -152,7 +152,7 @@ impl SilhouettePass {
         pass.dispatch_workgroups(groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1);
     }
 
-    /// Draws a strip for every edge that was found; the ends of the edge are the instance.
+    /// Draws a strip for every edge found; the instance holds the ends of the edge.
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let Some(of) = &self.of {
             pass.set_vertex_buffer(0, of.found.slice(..));
@@ -161,7 +161,7 @@ impl SilhouettePass {
     }
 }
 
-/// As the uniform holds it.
+/// The eye, padded for the uniform.
 fn padded(eye: Vec3) -> [f32; 4] {
     eye.extend(0.0).to_array()
 }

@@ -11,9 +11,9 @@ use crate::render::shader;
 pub(in crate::render) struct SkinPass {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
-    /// One per skin; none until particles are there.
+    /// One per skin; none before the first particles.
     bind_groups: Vec<wgpu::BindGroup>,
-    /// Stands in where no scalars are shown.
+    /// A stand-in for the scalars where none are shown.
     no_scalars: Option<wgpu::Buffer>,
 }
 
@@ -49,7 +49,7 @@ impl SkinPass {
         Self { pipeline, layout, bind_groups: Vec::new(), no_scalars: None }
     }
 
-    /// Names the buffers of all skins: particles, scalars, skin and deformed skin, in this order.
+    /// Binds the buffers of all skins: particles, scalars, skin and deformed skin, in this order.
     pub(in crate::render) fn bind(&mut self, Device { device, queue }: Device<'_>, meshes: &MeshBuffers) {
         self.bind_groups.clear();
         let Some(particles) = meshes.particles() else { return };

@@ -1,4 +1,4 @@
-//! Obstacles: planes in two parts, one that shadows may fall on and the rest, and closed forms.
+//! Obstacles: planes in two parts, one that shadows may fall on and the rest, and closed shapes.
 
 use super::{Drawing, Entries, drawing_pipeline_with, vertex_layout};
 use crate::render::layout::{SolidInstance, SolidVertex};

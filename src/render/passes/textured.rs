@@ -1,4 +1,5 @@
-//! Those parts of bodies that have pictures. A scene without any pays nothing: pipelines are compiled when the first is shown.
+//! The parts of bodies that have pictures. Pipelines are compiled when the first picture is shown, so a scene without
+//! pictures pays nothing.
 
 use super::mesh::{Triangles, by_constant};
 use super::{Drawing, Entries, drawing_pipeline_with, vertex_layout};
@@ -10,22 +11,22 @@ use crate::render::target::Output;
 use crate::render::texture_cache::TextureCache;
 use crate::view::DrawList;
 
-/// Draws what has pictures.
+/// Draws the parts with pictures.
 #[derive(Debug)]
 pub(in crate::render) struct TexturedPass {
     output: Output,
-    /// Of groups 0 and 1.
+    /// The layouts of groups 0 and 1.
     layouts: [wgpu::BindGroupLayout; 2],
     made: Option<Made>,
-    /// The pictures of every skin, one a run; empty where none are shown.
+    /// The pictures of every skin, one per run of triangles; empty where none are shown.
     ready: Vec<Vec<wgpu::BindGroup>>,
 }
 
-/// What is made when the first picture is shown.
+/// The parts that are made when the first picture is shown.
 #[derive(Debug)]
 struct Made {
     textures: TextureCache,
-    /// As those of [`super::mesh::MeshPass`].
+    /// The same kinds of pipelines as in [`super::mesh::MeshPass`].
     pipelines: [wgpu::RenderPipeline; 2],
     sheer: wgpu::RenderPipeline,
 }
@@ -35,8 +36,8 @@ impl TexturedPass {
         Self { output, layouts: layouts.map(Clone::clone), made: None, ready: Vec::new() }
     }
 
-    /// Brings the device up to date with the pictures of a draw list; counts what is uploaded. None are shown, nor uploaded,
-    /// where scalars are or every body has one colour.
+    /// Brings the device up to date with the pictures of a draw list; counts what is uploaded. No pictures are shown or
+    /// uploaded while scalars are shown or every body has one colour.
     pub(in crate::render) fn prepare(
         &mut self,
         gpu: Device<'_>,
@@ -64,12 +65,12 @@ impl TexturedPass {
         !self.ready.is_empty()
     }
 
-    /// What is left to draw without pictures.
+    /// The triangles left to draw without pictures.
     pub(in crate::render) fn others(&self) -> Triangles {
         if self.shows_any() { Triangles::Plain } else { Triangles::All }
     }
 
-    /// Draws each skin with the instance of the same place.
+    /// Draws each skin with the instance of the same index.
     pub(in crate::render) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -81,7 +82,7 @@ impl TexturedPass {
         }
     }
 
-    /// As [`TexturedPass::draw`], over what is there already with the blend constant of the pass.
+    /// As [`TexturedPass::draw`], but blended over the picture with the blend constant of the pass.
     pub(in crate::render) fn draw_sheer(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

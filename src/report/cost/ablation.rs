@@ -1,5 +1,5 @@
-//! What each feature of a scene costs: runs with and without it, in turn, from the same state. Times are those of the
-//! processor: what it does for others between two substeps does not count.
+//! Measures what each feature of a scene costs: runs with and without the feature, in turn, from the same state. Times are
+//! processor times, so whatever the processor does for other programs between two substeps does not count.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -13,52 +13,53 @@ use crate::physics::Arrival;
 use crate::physics::{Plan, Quantity, Simulation};
 use crate::scene::{Family, Material, Scene};
 
-/// Times every variant is measured; and where a substep takes long.
+/// How often every variant is measured; and how often where a substep takes long.
 const ROUNDS: [usize; 2] = [15, 7];
 
-/// A substep that takes longer is measured less often, s.
+/// A simulation whose substep takes longer than this is measured less often, s.
 const LONG_SECS: f64 = 0.02;
 
-/// The time of the substeps that are measured at once, s, about: so short that little else comes between.
+/// About the time of the substeps that are measured in one go, s: short, so that little else comes between.
 const SLICE_SECS: f64 = 2e-3;
 
-/// A feature with and without, from the same state in the same run, in turn.
+/// The cost of a feature: times with and without it, from the same state in the same run, in turn.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
 pub struct Ablation {
     pub feature: String,
-    /// What the times are of: a substep or a picture.
+    /// What one time covers: a substep or a picture.
     pub per: &'static str,
     /// Medians.
     pub secs_on: f64,
     pub secs_off: f64,
-    /// What the feature changes the time by.
+    /// The share by which the feature changes the time.
     pub change: Change,
-    /// The change may be the machine's.
+    /// Whether the change may be noise of the machine.
     pub within_noise: bool,
     /// Whether the motion is the same to the bit.
     pub same_bits: bool,
-    /// Whether it must be, as the feature only saves time or there was nothing for it to do.
+    /// Whether it must be the same, because the feature only saves time or had nothing to do.
     pub must_be_same: bool,
 }
 
 impl Ablation {
-    /// Whether the motion is another where it must be the same: a defect.
+    /// Whether the motion differs although it must be the same: a defect.
     pub fn is_defect(&self) -> bool {
         self.must_be_same && !self.same_bits
     }
 }
 
-/// A simulation with a feature or without it, beside the one that all are compared with.
+/// A simulation with or without a feature; all variants are compared with one common simulation.
 struct Variant {
     feature: String,
-    /// Whether it is this one that has the feature, and the one compared with that has not.
+    /// Whether this variant has the feature and the common simulation has not; otherwise it is the other way round.
     has_it: bool,
     simulation: Simulation<f32>,
     must_be_same: bool,
 }
 
-/// What features of a scene cost where the simulation is now: every body is awake but in the row about sleeping.
+/// Measures the features of a scene in the simulation's present state. Every body is awake, except in the row about
+/// sleeping.
 pub(super) fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[Arc<Lattice>]) -> Vec<Ablation> {
     let mut awake = simulation.clone();
     awake.plan_mut().sleeping = false;
@@ -136,7 +137,8 @@ fn without_friction(scene: &mut Scene) {
     }
 }
 
-/// Takes a substep, past steps that are only counted. Returns how many cells were pushed back to shape.
+/// Takes one substep that moves the bodies; steps that only advance the time are skipped. Returns how many cells were pushed
+/// back to shape.
 fn moving_substep(simulation: &mut Simulation<f32>) -> u64 {
     loop {
         let report = simulation.substep(&mut ());
@@ -146,8 +148,8 @@ fn moving_substep(simulation: &mut Simulation<f32>) -> u64 {
     }
 }
 
-/// Times all variants in turn, again and again: whatever else the machine does meets all of them. Every other round goes
-/// backwards, so that what runs before a variant is not always the same.
+/// Times all variants in turn, again and again, so that other load of the machine meets all of them. Every other round goes
+/// backwards, so that a variant does not always follow the same one.
 fn measured(all: &Simulation<f32>, variants: Vec<Variant>) -> Vec<Ablation> {
     let Measure { substeps, rounds } = Measure::of(all);
     let simulations: Vec<_> = std::iter::once(all).chain(variants.iter().map(|variant| &variant.simulation)).collect();
@@ -164,7 +166,8 @@ fn measured(all: &Simulation<f32>, variants: Vec<Variant>) -> Vec<Ablation> {
     let row = |(place, variant): (usize, Variant)| {
         let (theirs, ours) = (&times[0], &times[place + 1]);
         let [on, off] = if variant.has_it { [ours, theirs] } else { [theirs, ours] };
-        // Cells that are pushed back to shape move otherwise without the push, and with another look at them.
+        // If cells were pushed back to shape, leaving out the recovery or looking at the cells more often may change the
+        // motion.
         let pushed = ends[0].1 + ends[place + 1].1;
         Ablation {
             feature: variant.feature,
@@ -178,14 +181,14 @@ fn measured(all: &Simulation<f32>, variants: Vec<Variant>) -> Vec<Ablation> {
 
 /// How much is measured.
 pub(super) struct Measure {
-    /// Substeps at once.
+    /// Substeps timed in one go.
     pub(super) substeps: usize,
-    /// How often.
+    /// How often they are timed.
     pub(super) rounds: usize,
 }
 
 impl Measure {
-    /// As a substep of this simulation allows.
+    /// Chooses the effort by how long a substep of this simulation takes.
     pub(super) fn of(simulation: &Simulation<f32>) -> Self {
         let (first, _) = timed(simulation, 1);
         let (second, _) = timed(simulation, 1);
@@ -196,7 +199,8 @@ impl Measure {
     }
 }
 
-/// The time of a substep of a copy, and where that ends: its state, and how many cells were pushed back to shape.
+/// Times substeps of a copy. Returns the time of one substep, and the copy's final state hash with its count of cells pushed
+/// back to shape.
 pub(super) fn timed(simulation: &Simulation<f32>, substeps: usize) -> (f64, (u64, u64)) {
     let mut copy = simulation.clone();
     let begin = ThreadTime::now();
@@ -204,7 +208,7 @@ pub(super) fn timed(simulation: &Simulation<f32>, substeps: usize) -> (f64, (u64
     (begin.elapsed().as_secs_f64() / substeps as f64, (copy.hash(), pushed))
 }
 
-/// What times in turn, with a feature and without it, say of it.
+/// Compares the times taken in turn with a feature and without it.
 fn compared(per: &'static str, on: &[f64], off: &[f64]) -> Ablation {
     let change = Change::of(on, off);
     Ablation {
@@ -219,7 +223,7 @@ fn compared(per: &'static str, on: &[f64], off: &[f64]) -> Ablation {
     }
 }
 
-/// Times the value of every particle that a force map shows.
+/// Times working out the value that a force map shows of every particle.
 fn colours(simulation: &Simulation<f32>) -> Ablation {
     let before = simulation.hash();
     let mut times = [Vec::new(), Vec::new()];

@@ -14,14 +14,14 @@ use crate::scene::{Obstacle, ObstacleShape, Scene, Shape};
 
 /// Cells an edge: cubes of 512 and of 1000 particles.
 const CELLS: [u32; 2] = [7, 9];
-/// Obstacles; and with `quick`.
+/// Numbers of obstacles; and with `quick`.
 const OBSTACLES: [&[usize]; 2] = [&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12], &[1, 6, 12]];
-/// When they are measured, s: the cube has just met the ground.
+/// The simulated time at which they are measured, s: the cube has just met the ground.
 const AT_SECS: f64 = 0.26;
-/// The balls stand around the cube, this far from its middle, m; the first few touch it.
+/// Distance of the balls around the cube from its middle, m; the nearest few touch it.
 const AROUND: [f64; 2] = [0.75, 0.45];
 
-/// One cube among so many obstacles. Times and tests are of a substep.
+/// A cube among a number of obstacles. Times and tests are of a substep.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
 pub struct CrowdRow {
@@ -31,7 +31,7 @@ pub struct CrowdRow {
     pub tests_off: f64,
     pub secs_on: f64,
     pub secs_off: f64,
-    /// What the broad phase changes the time by.
+    /// The share by which the broad phase changes the time.
     pub change: Change,
     pub within_noise: bool,
     pub same_bits: bool,
@@ -85,7 +85,7 @@ fn row(cells: u32, obstacles: usize) -> Result<CrowdRow, ResolveError> {
     })
 }
 
-/// Narrow tests in a substep.
+/// Counts the narrow-phase tests of a substep, on average.
 fn tests(simulation: &Simulation<f32>, substeps: usize) -> f64 {
     let mut copy = simulation.clone();
     let tests: u64 = (0..substeps).map(|_| copy.substep(&mut ()).counters.narrow_tests).sum();

@@ -26,9 +26,9 @@ pub struct CostFigures {
     pub particles: usize,
     pub links: usize,
     pub simulated_secs: f64,
-    /// Wall time of all stages for a substep.
+    /// Wall time of all stages in a substep.
     pub substep_secs: f64,
-    /// When the scene exploded, s; it is measured until then, and its features at its start.
+    /// When the scene exploded, s. The run is measured until then, and the features at its start.
     pub exploded_at_secs: Option<f64>,
     pub substeps: u64,
     pub link_forces: u64,
@@ -56,7 +56,7 @@ pub struct StageCost {
     pub share: f64,
 }
 
-/// Something a scene does not need.
+/// A feature that a scene does not need.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
 pub struct LeftOut {
@@ -64,7 +64,7 @@ pub struct LeftOut {
     pub why: &'static str,
 }
 
-/// How long a scene is run before it is measured.
+/// How long a scene is run before its features are compared.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
     /// Simulated time, s.
@@ -73,7 +73,7 @@ pub struct Patience {
     pub wall: Duration,
 }
 
-/// Runs a scene and measures it there; `lattices` are those of its bodies.
+/// Runs a scene, measures the run, and compares its features at the end; `lattices` are those of its bodies.
 pub fn cost(title: &str, scene: &Scene, lattices: &[Arc<Lattice>], patience: Patience) -> CostFigures {
     let start = Simulation::<f32>::new(scene, lattices);
     let mut simulation = start.clone();

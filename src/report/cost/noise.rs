@@ -1,25 +1,25 @@
-//! Whether two times differ, or only the machine was busy: times that were taken in turn are compared pair by pair, and
-//! pairs that do not agree on which one is longer say nothing.
+//! Decides whether two times differ or only the machine was busy. Times taken in turn are compared pair by pair; pairs that
+//! disagree on which time is longer show nothing.
 
 use serde::Serialize;
 
-/// Of so many pairs one at either end is left out of the spread.
+/// Out of this many pairs, one at either end is left out of the spread.
 const ONE_IN: usize = 7;
 
-/// What a feature changes a time by, as a share: 0.1 is a tenth more with it.
+/// The share by which a feature changes a time: 0.1 is a tenth more with the feature.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Change {
     /// Of all pairs.
     pub median: f64,
-    /// The spread of the pairs, without the two least and the two most of fifteen. Where nothing differs it is all on one
-    /// side once in 135 comparisons of fifteen pairs.
+    /// Lower end of the spread of the pairs, which leaves out the two least and the two most of fifteen. If nothing differs,
+    /// the spread lies all on one side once in 135 comparisons of fifteen pairs.
     pub low: f64,
-    /// Its upper end.
+    /// Upper end of the spread.
     pub high: f64,
 }
 
 impl Change {
-    /// From times with and without the feature; those at the same place were taken one after the other.
+    /// Compares times with and without the feature; those at the same index were taken one after the other.
     pub fn of(with: &[f64], without: &[f64]) -> Self {
         let mut shares: Vec<f64> = with.iter().zip(without).map(|(with, without)| with / without - 1.0).collect();
         shares.sort_by(f64::total_cmp);
@@ -33,7 +33,7 @@ impl Change {
         !(self.low > 0.0 || self.high < 0.0)
     }
 
-    /// For a person: "+17 % (+15 to +19)", or that there is nothing to see.
+    /// The change for a person to read: "+17 % (+15 to +19)", or that it is within the noise.
     pub fn words(&self) -> String {
         let Self { median, low, high } = self.in_percent();
         match (self.is_noise(), median < 1000.0) {
@@ -48,7 +48,7 @@ impl Change {
     }
 }
 
-/// The middle of some values; not a number where there are none.
+/// The middle one of some values; NaN if there are none.
 pub(in crate::report) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn the_words_do_not_claim_what_the_spread_does_not_hold() {
-        // What a busy machine once said of a run that differed by nothing.
+        // These figures come from a busy machine, for two runs without a difference.
         let change = Change { median: 0.18, low: -0.02, high: 0.4 };
         assert_eq!(change.words(), "within the noise (-2 to +40 %)");
         assert_eq!(Change { median: 1030.0, low: 900.0, high: 1100.0 }.words(), "1031 times as long");

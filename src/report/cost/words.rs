@@ -113,7 +113,7 @@ fn write_crowd(text: &mut String, crowd: &[CrowdRow]) -> std::fmt::Result {
     Ok(())
 }
 
-/// The table: a line for each stage of a scene, each thing that it leaves out, each feature compared, and each crowd.
+/// The table: a line for each stage of a scene, each feature that it leaves out, each feature compared, and each crowd.
 pub fn csv(scenes: &[CostFigures], crowd: &[CrowdRow]) -> String {
     let mut text =
         "scene,kind,name,secs,secs_without,share,change_low,change_high,within_noise,same_bits,note\n".to_owned();

@@ -1,9 +1,9 @@
-//! Error against grid resolution: how far a body of ever more cells misses the solid that it stands for, beside what its
-//! steps add to that, so that one can be weighed against the other.
+//! Error against grid resolution: how far a body of ever more cells misses the solid that it stands for, beside the error
+//! that its time steps add, so that the two can be weighed against each other.
 //!
-//! The cells' error is that of a displacement at rest, by [`Linear`], against theory or, where there is none, against the
-//! value that three grids lead to (Richardson's extrapolation). The steps' error is that of the same body let go under its
-//! own weight, in automatic stepping at 1 ms, against steps many times smaller.
+//! The cells' error is that of a displacement at rest, found by [`Linear`]. It is measured against theory or, where there is
+//! none, against the value that three grids converge to (Richardson's extrapolation). The steps' error is that of the same
+//! body let go under its own weight, in automatic stepping at 1 ms, against steps many times smaller.
 
 use std::sync::Arc;
 
@@ -26,30 +26,30 @@ const DENSITY: f64 = 1000.0;
 const DAMPING_RATIO: f64 = 0.05;
 /// Length over thickness of the cantilever.
 const SLENDERNESS: u32 = 8;
-/// How far from the middle the patch reaches that the standing block stands on, m.
+/// The standing block stands on a patch that reaches this far from the middle of its bottom, m.
 const PATCH: f64 = 0.25;
 /// The step whose error is compared, s.
 pub const STEP_SECS: f64 = 1e-3;
-/// Simulated time in which the steps' error arises, s, and in which the wall time is measured.
+/// Simulated time of the motion in which the steps' error is measured, s, and of the runs that measure the wall time.
 const MOTION_SECS: f64 = 0.4;
 const TIMED_SECS: f64 = 0.02;
-/// Cells that lead to the solid miss in the end by less than `FEWER` of what they do at first, or by less than `NOTHING`
-/// of its displacement.
+/// A case converges if the finest cells miss by less than `FEWER` of the coarsest cells' error, or by less than `NOTHING` of
+/// the solid's displacement.
 const FEWER: f64 = 0.7;
 const NOTHING: f64 = 1e-3;
-/// An error this many times as large as another one is the one worth paying for.
+/// Of two errors, the larger one is worth paying for if it is at least this many times the other.
 const LARGER: f64 = 2.0;
 
 /// A body whose cells are counted along its longest extent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Case {
-    /// A cube pulled at both ends with its weight: its stretch is known.
+    /// A cube pulled at both ends by a force of its weight: its stretch is known.
     Tension,
     /// A cube held all over its top: how far its bottom sags under its weight.
     Hanging,
-    /// A beam held at one end: how far a load of its weight bends the other, by Timoshenko's theory.
+    /// A beam held at one end: how far a load of its weight bends the other end, by Timoshenko's theory.
     Cantilever,
-    /// A cube that sticks with the middle of its bottom to the ground: how far its top sinks under its weight.
+    /// A cube that sticks to the ground by the middle of its bottom: how far its top sinks under its weight.
     Patch,
 }
 
@@ -67,7 +67,7 @@ impl Case {
         }
     }
 
-    /// Stiff enough that the displacements stay some per cent of the body, Pa.
+    /// Young's modulus, Pa: stiff enough that the displacements stay some per cent of the body.
     fn young_modulus(self) -> f64 {
         match self {
             Self::Cantilever => 2e7,
@@ -87,7 +87,7 @@ impl Case {
         }
     }
 
-    /// Three grids, each twice as fine as the one before, which lead to the converged value.
+    /// Three grids, each twice as fine as the one before, from which the converged value is extrapolated.
     fn leading(quick: bool) -> [u32; 3] {
         if quick { [8, 16, 32] } else { [12, 24, 48] }
     }
@@ -141,7 +141,7 @@ impl Case {
         }
     }
 
-    /// The body under its own weight, at rest before it gives way.
+    /// The body in the unstrained state, under its own weight.
     fn scene(self, divisions: u32) -> Scene {
         let mut scene = Scene { bodies: vec![self.body(divisions)], ..Scene::default() };
         scene.settings.gravity = [0.0, -EARTH_GRAVITY, 0.0];
@@ -151,7 +151,7 @@ impl Case {
         scene
     }
 
-    /// The body's displacement at rest, m, and the theory's where there is one.
+    /// Finds the body's displacement at rest, m, and theory's where there is one.
     fn displacement(self, divisions: u32) -> Option<Displacement> {
         let scene = self.scene(divisions);
         let simulation = Simulation::<f64>::new(&scene, &lattices(&scene).ok()?);
@@ -183,7 +183,7 @@ impl Case {
     }
 }
 
-/// What a body of some cells does.
+/// The displacement of a body of some cells.
 struct Displacement {
     found_m: f64,
     theory_m: Option<f64>,
@@ -200,7 +200,8 @@ fn timoshenko(size: DVec3) -> f64 {
     length.powi(3) / (3.0 * second_moment) + length / (coefficient * shear_modulus * width * height)
 }
 
-/// The deflection of the cantilever with so many cells across it, and beam theory's, m; none where nothing holds it.
+/// The deflection of the cantilever with `cells_across` cells across it, and that of beam theory, m; none where nothing
+/// holds it.
 pub fn cantilever(cells_across: u32) -> Option<(f64, f64)> {
     let found = Case::Cantilever.displacement(cells_across * SLENDERNESS)?;
     Some((found.found_m, found.theory_m?))
@@ -213,13 +214,13 @@ pub struct CellsRow {
     pub divisions: u32,
     pub particles: usize,
     pub displacement_m: f64,
-    /// How far that is from the solid's.
+    /// Distance from the solid's displacement.
     pub error_m: f64,
     /// Wall time for a simulated second, in automatic stepping at 1 ms.
     pub wall_secs: f64,
 }
 
-/// What was measured of one case; the names are those of the JSON object. SI units.
+/// The measurements of one case; the names are those of the JSON object. SI units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct CellsFigures {
@@ -228,10 +229,10 @@ pub struct CellsFigures {
     pub reference_m: f64,
     pub reference: String,
     pub rows: Vec<CellsRow>,
-    /// Whether the finest cells miss by less than the coarsest: otherwise they lead to another solid.
+    /// Whether the finest cells miss by less than the coarsest; if not, they converge to another solid.
     pub converges: bool,
-    /// The resolution at which the steps' error was measured, the step and the error: root of the mean square distance
-    /// of the particles in motion.
+    /// The resolution at which the steps' error was measured, the step, and the error: root mean square distance of the
+    /// particles in motion.
     pub steps_divisions: u32,
     pub step_secs: f64,
     pub steps_error_m: f64,
@@ -283,7 +284,7 @@ fn converges(rows: &[CellsRow], reference_m: f64) -> bool {
     finest.error_m < (FEWER * coarsest.error_m).max(NOTHING * reference_m.abs())
 }
 
-/// The value that three grids lead to, and in words how.
+/// The value that three grids converge to, and in words how it was found.
 fn converged(case: Case, quick: bool) -> Option<(f64, String)> {
     let grids = Case::leading(quick);
     let [coarse, middle, fine] = grids.map(|divisions| case.displacement(divisions).map(|found| found.found_m));
@@ -292,14 +293,14 @@ fn converged(case: Case, quick: bool) -> Option<(f64, String)> {
     Some((value, format!("grids of up to {finest} divisions, which converge with order {order:.1}")))
 }
 
-/// Richardson's extrapolation of three values, each of a grid twice as fine as the one before, and the order found; none
-/// where they do not converge.
+/// Richardson's extrapolation of three values, each of a grid twice as fine as the one before, and the order of convergence;
+/// none where they do not converge.
 fn extrapolated([coarse, middle, fine]: [f64; 3]) -> Option<(f64, f64)> {
     let ratio = (middle - coarse) / (fine - middle);
     (ratio > 1.0).then(|| (fine + (fine - middle) / (ratio - 1.0), ratio.log2()))
 }
 
-/// How far automatic stepping misses steps many times smaller, in motion, m.
+/// How far automatic stepping is from steps many times smaller, in motion, m.
 fn steps_error(case: Case, watch: &dyn Watch) -> Option<f64> {
     let scene = case.scene(case.usual());
     let lattices = lattices(&scene).ok()?;
@@ -324,7 +325,7 @@ fn timed(scene: &Scene, watch: &dyn Watch) -> Option<f64> {
     Some(begin.elapsed().as_secs_f64() / TIMED_SECS)
 }
 
-/// Which error is worth paying for, as a sentence.
+/// Says in a sentence which of the two errors is worth paying for.
 pub fn advice(figures: &CellsFigures) -> String {
     let CellsFigures { case, steps_divisions, steps_error_m, step_secs, rows, .. } = figures;
     let nearest = rows.iter().min_by_key(|row| row.divisions.abs_diff(*steps_divisions));
@@ -345,7 +346,7 @@ pub fn advice(figures: &CellsFigures) -> String {
     )
 }
 
-/// A small length.
+/// A small length in words.
 pub(super) fn millimetres(meters: f64) -> String {
     let value = meters * 1e3;
     if value == 0.0 || value >= 0.1 { format!("{value:.2} mm") } else { format!("{value:.1e} mm") }
@@ -403,7 +404,7 @@ mod tests {
         }
     }
 
-    /// The negative control: cells of the wrong stiffness miss by what no number of them takes away.
+    /// The negative control: cells of the wrong stiffness keep an error however many there are.
     #[test]
     fn a_wrong_stiffness_is_found_out() {
         let rows = |factor: f64| {

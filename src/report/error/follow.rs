@@ -1,4 +1,4 @@
-//! Running a scene for a while and comparing where its particles were: what every error is made of.
+//! Runs a scene for a while and compares the positions of its particles with those of another run: the basis of every error.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,25 +10,25 @@ use crate::math::{Real, Vector};
 use crate::physics::{Simulation, Stage, StageTimer};
 use crate::scene::Scene;
 
-/// Positions are compared this often, s: a multiple of every step that is measured.
+/// Positions are compared at this interval, s: a multiple of every step that is measured.
 pub const LOOK_SECS: f64 = 0.04;
 
-/// A run that was looked at.
+/// The outcome of a run.
 pub(in crate::report) struct Followed {
-    /// Positions of the particles at every look; fewer looks where the run diverged.
+    /// Positions of the particles at every look; there are fewer looks where the run diverged.
     pub(in crate::report) looks: Vec<Vec<[f64; 3]>>,
     pub(in crate::report) spent: Duration,
-    /// Of all processors: what other programs take is not in it.
+    /// Time of all processors, without that of other programs.
     pub(in crate::report) processor: Duration,
     pub(in crate::report) diverged: bool,
-    /// Nobody waits for it any more.
+    /// Whether the run was cancelled.
     pub(in crate::report) cancelled: bool,
 }
 
-/// Whether a run has nothing to do with the scene any more, by the number of the look and the positions.
+/// Whether a run has lost all relation to the scene, by the number of the look and the positions.
 pub(in crate::report) type Lost<'a> = &'a dyn Fn(usize, &[[f64; 3]]) -> bool;
 
-/// Gives a step up when nobody waits for the run any more.
+/// Gives a step up once the run is cancelled.
 struct Stoppable<'a>(&'a dyn Watch);
 
 impl StageTimer for Stoppable<'_> {
@@ -43,11 +43,11 @@ impl StageTimer for Stoppable<'_> {
 pub(in crate::report) enum Ended {
     Whole,
     Diverged,
-    /// Nobody waits for it any more.
+    /// The run was cancelled.
     Stopped,
 }
 
-/// What goes on in steps and has particles.
+/// A simulation, of this engine or another, that takes steps and has particles.
 pub(in crate::report) trait Steps {
     fn step(&mut self, watch: &dyn Watch) -> Ended;
     /// Where the particles are, m.
@@ -69,7 +69,7 @@ impl<R: Real> Steps for Simulation<R> {
     }
 }
 
-/// Runs a scene for so many looks, as [`follow_steps`] does.
+/// Runs a scene for a number of looks, as [`follow_steps`] does.
 pub(in crate::report) fn follow<R: Real>(
     scene: &Scene,
     lattices: &[Arc<Lattice>],
@@ -80,8 +80,8 @@ pub(in crate::report) fn follow<R: Real>(
     follow_steps(&mut Simulation::<R>::new(scene, lattices), scene.settings.dt, looks, lost, watch)
 }
 
-/// Takes steps of `dt_secs` for so many looks. What is `lost` at a look goes no further; nor does what is cancelled, within
-/// a step too. How far it is is told before every step, whose time does not hold that.
+/// Takes steps of `dt_secs` for a number of looks. A run that is `lost` at a look counts as diverged and ends there; a
+/// cancelled run ends at once, within a step too. Progress is reported before every step, outside the wall time of the step.
 pub(in crate::report) fn follow_steps(
     steps: &mut impl Steps,
     dt_secs: f64,
@@ -127,7 +127,7 @@ pub(in crate::report) fn follow_steps(
     found
 }
 
-/// The root of the mean square distance of two runs, over all particles and looks, m.
+/// Root mean square distance of two runs, over all particles and looks, m.
 pub(in crate::report) fn rms(run: &[Vec<[f64; 3]>], other: &[Vec<[f64; 3]>]) -> f64 {
     let all: f64 = run.iter().zip(other).map(|(now, truth)| mean_square(now, truth)).sum();
     (all / run.len().min(other.len()).max(1) as f64).sqrt()

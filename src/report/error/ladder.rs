@@ -1,5 +1,5 @@
-//! The steps that are measured: one halved again and again, and where it is asked for two around the largest safe step of a
-//! scheme, which the rungs of the ladder miss by up to a half.
+//! The steps that are measured: one step halved again and again and, if asked for, two more around the largest safe step of
+//! a scheme, which the rungs of the ladder miss by up to a half.
 //!
 //! ```text
 //! 8 ms ─ 4 ─ 2 ─ 1 ──┬──┬─ 0.5 ─ 0.25 ─ …
@@ -8,16 +8,16 @@
 
 use super::follow::{LOOK_SECS, whole};
 
-/// The largest step measured, s. The others are it halved again and again.
+/// The largest step measured, s. The others are its halves.
 const LARGEST_SECS: f64 = 0.008;
-/// Steps measured at least and at most.
+/// The least and the most steps measured.
 pub(super) const RUNGS: [u32; 2] = [6, 12];
-/// The smallest step measured over the largest stable one, where that makes more rungs.
+/// The ladder goes down to this share of the largest stable step, within the limits of `RUNGS`.
 const BELOW_LIMIT: f64 = 0.25;
-/// What a person reads of a safe step is rounded down by less than this share of it.
+/// The program shows a safe step rounded down by less than this share of it.
 const ROUNDED: f64 = 0.01;
 
-/// Steps that are halved again and again; `safe_secs` is the largest stable one.
+/// The steps of the ladder; `safe_secs` is the largest stable one.
 pub(super) fn rungs(safe_secs: Option<f64>, most: u32) -> Vec<f64> {
     let [least, _] = RUNGS;
     let smallest = safe_secs.map_or(LARGEST_SECS, |safe| BELOW_LIMIT * safe);
@@ -30,8 +30,8 @@ pub(super) fn rungs(safe_secs: Option<f64>, most: u32) -> Vec<f64> {
         .collect()
 }
 
-/// The same with those steps beside a safe one of which a whole number lies between two looks: the next above it and the next
-/// below what is read of it. None is above the largest rung, nor hardly longer than that of the reference, `finest`.
+/// Adds the steps next to the safe one: the next above it and the next below its rounded value, of those that divide the
+/// time between two looks. Leaves out a step above the largest rung, or hardly longer than the reference's step `finest`.
 pub(super) fn with_neighbours(mut rungs: Vec<f64>, safe_secs: Option<f64>, finest: f64) -> Vec<f64> {
     let Some(safe) = safe_secs else { return rungs };
     let [above, below] = [(LOOK_SECS / safe).floor(), (LOOK_SECS / ((1.0 - ROUNDED) * safe)).ceil()];
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn a_safe_step_lies_between_two_that_are_measured() {
-        // Of 0.5457 ms a person reads 0.545 ms.
+        // A person reads 0.5457 ms as 0.545 ms.
         for (safe_ms, read_ms) in [(0.5457, 0.545), (0.893_6, 0.893), (4.522_9, 4.52), (0.054_06, 0.054), (1.0, 1.0)] {
             let safe = Some(1e-3 * safe_ms);
             let steps = with_neighbours(rungs(safe, 7), safe, 1e-6);

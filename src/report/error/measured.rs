@@ -1,19 +1,19 @@
-//! Something that is run again and again: how far it misses the reference, and how long it takes.
+//! A run that is repeated: its error against the reference, and how long it takes.
 
 use std::time::Duration;
 
 use super::follow::{Followed, LOOK_SECS, Lost, mean_square, rms};
 
-/// What was found of it so far.
+/// The figures of a repeated run so far.
 pub(in crate::report) struct Measured {
-    /// Infinite where it diverged, m.
+    /// The error, infinite where the run diverged, m.
     pub(in crate::report) error_m: f64,
     pub(in crate::report) diverged: bool,
     /// Wall time of all runs.
     pub(in crate::report) spent: Duration,
-    /// Wall time of each run for a simulated second.
+    /// Wall time of each run, per simulated second.
     wall_secs: Vec<f64>,
-    /// Time of the processors for the same.
+    /// Processor time of each run, per simulated second.
     processor_secs: Vec<f64>,
 }
 
@@ -28,7 +28,7 @@ impl Measured {
         }
     }
 
-    /// Takes one more run, which ends where it is further from the reference than `lost_m`.
+    /// Takes one more run, which ends if it is further than `lost_m` from the reference.
     pub(in crate::report) fn run(
         &mut self,
         truth: &[Vec<[f64; 3]>],
@@ -48,12 +48,12 @@ impl Measured {
         self.error_m = if found.diverged { f64::INFINITY } else { rms(&found.looks, truth) };
     }
 
-    /// Median, least and most of the wall times for a simulated second.
+    /// Median, least and most wall time per simulated second.
     pub(in crate::report) fn wall_secs(&self) -> [f64; 3] {
         spread(&self.wall_secs)
     }
 
-    /// The same of the time that processors spent on it.
+    /// Median, least and most processor time per simulated second.
     #[cfg(any(test, feature = "peers"))]
     pub(in crate::report) fn processor_secs(&self) -> [f64; 3] {
         spread(&self.processor_secs)
@@ -67,7 +67,7 @@ fn spread(secs: &[f64]) -> [f64; 3] {
     [at(secs.len() / 2), at(0), at(secs.len().saturating_sub(1))]
 }
 
-/// Of times and errors, which no other one is better than in both.
+/// Marks the Pareto front of pairs of time and error: no other pair is at least as good in both.
 pub(in crate::report) fn front(figures: &[(f64, f64)]) -> Vec<bool> {
     let is_beaten = |index: usize| {
         let (time, error) = figures[index];

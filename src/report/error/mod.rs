@@ -1,9 +1,9 @@
 //! Error against run time (R1): how far a scheme at a step misses a converged reference, and what that costs.
 //!
-//! The reference is the same scene in double precision, by [`REFERENCE`] at a step well below the smallest one
-//! measured. It is run a second time at twice that step: what the two differ by is all that the reference is known to.
-//! Every measured run is in single precision, as the window's is. Runs are repeated in turn, first one of each, then
-//! the second of each, so that a machine that grows slower does so for all of them.
+//! The reference is the same scene in double precision, by [`REFERENCE`] at a step well below the smallest one measured. It
+//! is run a second time at twice that step: the difference of the two is the reference's own error. Every measured run is in
+//! single precision, as the window's is. Runs are repeated in turn, first one of each, then the second of each, so that a
+//! machine that grows slower does so for all of them.
 
 pub mod cells;
 pub(super) mod follow;
@@ -33,23 +33,23 @@ use reference::{FINER, Reference};
 pub const REFERENCE: Integrator = Integrator::Verlet;
 /// Runs of each.
 pub const REPEATS: usize = 5;
-/// How long a step of the reference takes over one of a measured run: its numbers are in double precision.
+/// How much longer a step of the reference takes than one of a measured run, as it is in double precision.
 const REFERENCE_COST: f64 = 1.5;
-/// An error above this many times the size of the bodies is a motion that has nothing to do with the scene.
+/// An error above this many times the size of the bodies means that the motion has lost all relation to the scene.
 pub(super) const LOST: f64 = 1.0;
-/// A scheme whose steps are divided by `CONVERGES[0]` and whose error stays above `CONVERGES[1]` of what it was does not
-/// converge to the reference.
+/// A scheme does not converge to the reference if a step smaller by the factor `CONVERGES[0]` leaves more than the share
+/// `CONVERGES[1]` of its error.
 pub(super) const CONVERGES: [f64; 2] = [4.0, 0.7];
-/// Errors below this share of the bodies' size are rounding.
+/// Errors below this share of the bodies' size are rounding errors.
 const ROUNDING: f64 = 2e-5;
 
 /// How steps are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "&'static str", try_from = "String")]
 pub enum Way {
-    /// One scheme, the step as it is.
+    /// One scheme, with undivided steps.
     Manual(Integrator),
-    /// As the program chooses: steps divided, or the implicit scheme.
+    /// Automatic stepping: steps are divided, or the implicit scheme is used, as the program chooses.
     Automatic,
 }
 
@@ -59,7 +59,7 @@ impl Way {
         Integrator::ALL.into_iter().map(Self::Manual).chain([Self::Automatic])
     }
 
-    /// The word in figures.
+    /// The name in figures.
     pub fn name(self) -> &'static str {
         match self {
             Self::Manual(integrator) => integrator.name(),
@@ -75,7 +75,7 @@ impl Way {
         }
     }
 
-    /// What a step takes, in evaluations of the forces, about.
+    /// The approximate cost of a step, in evaluations of the forces.
     fn cost(self) -> f64 {
         match self {
             Self::Manual(Integrator::Rk2) => 2.0,
@@ -87,7 +87,7 @@ impl Way {
 
     pub(super) fn applied(self, scene: &Scene, dt: f64) -> Scene {
         let mut scene = scene.clone();
-        // What sleeps takes no time and what is asleep has no error: neither is that of a scheme.
+        // A sleeping body takes no time and has no error; neither tells anything about a scheme.
         (scene.settings.dt, scene.settings.sleeping) = (dt, false);
         match self {
             Self::Manual(integrator) => {
@@ -124,7 +124,7 @@ pub struct Row {
     /// diverged.
     #[serde(with = "number_or_null")]
     pub error_rms_m: f64,
-    /// Wall time for a simulated second.
+    /// Wall time per simulated second.
     pub wall_secs_median: f64,
     pub wall_secs_min: f64,
     pub wall_secs_max: f64,
@@ -133,7 +133,7 @@ pub struct Row {
     pub pareto: bool,
 }
 
-/// What was measured of one scene; the names are those of the JSON object. SI units.
+/// The measurements of one scene; the names are those of the JSON object. SI units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct ErrorFigures {
@@ -144,10 +144,10 @@ pub struct ErrorFigures {
     /// The longest side of the box around the particles at the start.
     pub size_m: f64,
     pub reference_dt_secs: f64,
-    /// What the reference differs by from itself at twice the step.
+    /// Difference between the reference and the same at twice the step.
     pub reference_error_m: f64,
     pub rows: Vec<Row>,
-    /// Ways whose error does not shrink with the step: a defect, of theirs or of the reference.
+    /// Ways whose error does not shrink with the step: a defect of theirs or of the reference.
     pub not_converging: Vec<String>,
 }
 
@@ -158,20 +158,20 @@ pub struct Effort {
     pub seconds: f64,
     /// Runs of each.
     pub repeats: usize,
-    /// What has run for so long in all is not repeated.
+    /// A run is not repeated once its repeats have taken this long in all.
     pub enough: Duration,
-    /// Steps measured at most.
+    /// The most steps measured.
     pub most_rungs: u32,
-    /// The step of the reference over the smallest one measured.
+    /// The step of the reference as a share of the smallest one measured.
     pub finer: f64,
-    /// The reference and its check run beside each other.
+    /// Whether the reference and its check run at the same time.
     pub side_by_side: bool,
-    /// The largest safe step of every scheme that has one lies between two that are measured.
+    /// Whether the steps next to the largest safe step of every scheme that has one are measured too.
     pub around_limits: bool,
 }
 
 impl Effort {
-    /// All that a report takes.
+    /// The effort of a full report.
     pub fn full(seconds: f64) -> Self {
         let enough = Duration::MAX;
         let most_rungs = RUNGS[1];
@@ -190,14 +190,13 @@ pub fn measure(
     compare(title, [scene, scene], lattices, effort, watch)
 }
 
-/// How often the forces of a scene are evaluated while it is measured, for every second of simulated time and one run of
-/// each, about.
+/// Roughly how often the forces of a scene are evaluated in its measurement, per simulated second and with one run of each.
 pub fn evaluations_per_second(scene: &Scene, lattices: &[Arc<Lattice>], effort: Effort) -> f64 {
     let (measured, finest) = measured_steps(scene, lattices, effort);
     Work::new(&measured, finest, 1).whole
 }
 
-/// The scene as the default integrator would take it: for its size and what limits its steps.
+/// The scene set up for the default integrator: gives its size and the limits of its steps.
 fn probe(scene: &Scene, lattices: &[Arc<Lattice>]) -> Simulation<f32> {
     probe_of(Integrator::SemiImplicit, scene, lattices)
 }
@@ -206,8 +205,7 @@ fn probe_of(integrator: Integrator, scene: &Scene, lattices: &[Arc<Lattice>]) ->
     Simulation::new(&Way::Manual(integrator).applied(scene, 1e-3), lattices)
 }
 
-/// Every way with every step that is measured, s, of which those of a way stand together and fall; the step of the reference,
-/// s.
+/// Every way with every step measured, s, grouped by way with falling steps; and the step of the reference, s.
 fn measured_steps(scene: &Scene, lattices: &[Arc<Lattice>], effort: Effort) -> (Vec<(Way, f64)>, f64) {
     let rungs = rungs(probe(scene, lattices).plan().limits.dt_safe_secs, effort.most_rungs);
     let finest = rungs.last().copied().unwrap_or(f64::INFINITY) * effort.finer;
@@ -222,7 +220,7 @@ fn measured_steps(scene: &Scene, lattices: &[Arc<Lattice>], effort: Effort) -> (
     (measured, finest)
 }
 
-/// As [`measure`], of the first scene against the reference of another one with the same bodies.
+/// As [`measure`], but against the reference of another scene with the same bodies.
 fn compare(
     title: &str,
     [scene, truth]: [&Scene; 2],
@@ -269,11 +267,11 @@ fn compare(
     })
 }
 
-/// What shares of the work the runs are, as far as that is known before them.
+/// The share of the work that each run takes, as far as it is known beforehand.
 struct Work {
-    /// Where the reference and its check end, 0 to 1.
+    /// The fractions of the work at which the reference and its check end, 0 to 1.
     of_reference: [f64; 2],
-    /// All of it, in evaluations of the forces for a simulated second.
+    /// The whole work, in evaluations of the forces per simulated second.
     whole: f64,
 }
 
@@ -291,7 +289,7 @@ impl Work {
     }
 }
 
-/// One way at one step, as far as it was measured.
+/// One way at one step, with its measurements so far.
 struct Setting {
     way: Way,
     dt: f64,
@@ -332,7 +330,7 @@ impl Setting {
     }
 }
 
-/// Marks the rows that no other one is better than in both, by the median time.
+/// Marks the rows of the Pareto front, by the median time.
 fn mark_pareto(rows: &mut [Row]) {
     let figures: Vec<_> = rows.iter().map(|row| (row.wall_secs_median, row.error_rms_m)).collect();
     for (row, is_best) in rows.iter_mut().zip(front(&figures)) {
@@ -340,7 +338,7 @@ fn mark_pareto(rows: &mut [Row]) {
     }
 }
 
-/// The ways whose smallest step is not better than one `CONVERGES[0]` times as large, though that is above `floor`.
+/// The ways whose error is above `floor` and hardly smaller than at a step `CONVERGES[0]` times as large.
 fn not_converging(rows: &[Row], floor: f64) -> Vec<String> {
     let fails = |way: &Way| {
         let of_way: Vec<&Row> = rows.iter().filter(|row| row.integrator == *way && !row.diverged).collect();
@@ -348,7 +346,7 @@ fn not_converging(rows: &[Row], floor: f64) -> Vec<String> {
         let coarse = of_way.iter().rfind(|row| row.dt_secs >= (CONVERGES[0] - 1e-9) * finest.dt_secs);
         coarse.is_some_and(|coarse| finest.error_rms_m > CONVERGES[1] * coarse.error_rms_m)
     };
-    // Automatic stepping takes the same divided steps whatever is asked for.
+    // Automatic stepping takes the same divided steps whatever step is asked for.
     Way::all().filter(|way| *way != Way::Automatic && fails(way)).map(|way| way.name().to_owned()).collect()
 }
 

@@ -1,5 +1,5 @@
-//! The converged motion that errors are measured against: the scene in double precision at a small step, and a second time
-//! at twice that. What the two differ by is all that it is known to.
+//! The converged motion that errors are measured against: the scene in double precision at a small step, and once more at
+//! twice that. The difference of the two runs is the error of the reference.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::geometry::{Lattice, Watch};
 use crate::physics::Simulation;
 use crate::scene::Scene;
 
-/// The step of the reference over the smallest one that is measured, or over the largest stable one.
+/// The step of the reference as a share of the smallest one measured, or of the largest stable one.
 pub(in crate::report) const FINER: f64 = 1.0 / 16.0;
 
 /// The converged motion of a scene.
@@ -18,13 +18,13 @@ pub(in crate::report) struct Reference {
     pub(in crate::report) looks: Vec<Vec<[f64; 3]>>,
     /// Its step, s.
     pub(in crate::report) dt_secs: f64,
-    /// What it differs by from itself at twice the step, m.
+    /// Its difference from the run at twice the step, m.
     pub(in crate::report) error_m: f64,
 }
 
 impl Reference {
-    /// Runs a scene, which is given at the small step and at twice that, at the same time where `side_by_side`; none where
-    /// `watch` cancels. The runs are the work up to the fractions of `ends`.
+    /// Runs a scene, given with the small step and with twice that; both at the same time if `side_by_side`. None where
+    /// `watch` cancels. `ends` are the fractions of progress at which the first and the second run end.
     pub(in crate::report) fn of(
         [finest, check]: [&Scene; 2],
         lattices: &[Arc<Lattice>],
@@ -48,7 +48,7 @@ impl Reference {
     }
 }
 
-/// A step well below the largest stable one and below `most_secs`, of which a whole number lies between two looks, s.
+/// A step well below the largest stable one and below `most_secs`, which divides the time between two looks, s.
 pub(in crate::report) fn fine_step(scene: &Scene, lattices: &[Arc<Lattice>], most_secs: f64) -> f64 {
     let safe = Simulation::<f32>::new(scene, lattices).plan().limits.dt_safe_secs.unwrap_or(most_secs);
     LOOK_SECS / (LOOK_SECS / (FINER * safe.min(most_secs))).ceil()

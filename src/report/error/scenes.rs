@@ -1,5 +1,5 @@
-//! The scenes of the error report (R1): each shows one thing that schemes are good or bad at, in a body small enough to
-//! be run some hundred times.
+//! The scenes of the error report (R1): each shows one strength or weakness of schemes, in a body small enough to be run
+//! some hundred times.
 
 use crate::scene::body::{Body, CubeShape, PinBox, Pose};
 use crate::scene::material::{Material, Solid};
@@ -37,7 +37,7 @@ pub fn scenes() -> Vec<(String, Scene)> {
     named.into_iter().map(|(name, scene)| (name.to_owned(), scene)).collect()
 }
 
-/// A cube of so many cells an edge that hangs by its top, not yet stretched.
+/// A cube with `cells` cells an edge that hangs by its top, not yet stretched.
 pub(in crate::report) fn hanging(cells: u32) -> Scene {
     Scene { bodies: vec![held_cube(cells, 0.45)], ..Scene::default() }
 }
@@ -46,7 +46,7 @@ fn cube(cells: u32) -> Body {
     Body { shape: Shape::Cube(CubeShape { cells, size: 1.0 }), ..Body::default() }
 }
 
-/// A cube whose particles beyond a height are held: those above it where it is positive, those below it otherwise.
+/// A cube with its particles beyond a height held: those above it if it is positive, those below it otherwise.
 fn held_cube(cells: u32, height: f64) -> Body {
     let (low, high) = if height > 0.0 { (height, 1.0) } else { (-1.0, height) };
     let pin = PinBox { min: [-1.0, low, -1.0], max: [1.0, high, 1.0] };

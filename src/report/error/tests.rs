@@ -1,4 +1,4 @@
-//! The error report: orders that are known, a wrong force that must be found out, rows that were planted.
+//! The error report: known orders of convergence, a wrong force that must be found out, planted rows.
 
 use super::words::{advice, csv, markdown};
 use super::*;
@@ -18,7 +18,7 @@ fn rows(figures: &ErrorFigures, integrator: Integrator) -> Vec<&Row> {
     figures.rows.iter().filter(|row| row.integrator == Way::Manual(integrator)).collect()
 }
 
-/// How often the error is halved when the step is, between two steps of which the first is `dt`.
+/// The order of convergence between the steps `dt` and `dt / 2`.
 fn order(figures: &ErrorFigures, integrator: Integrator, dt: f64) -> f64 {
     let error = |dt: f64| {
         let rows = rows(figures, integrator);

@@ -45,7 +45,7 @@ fn write_markdown(text: &mut String, scenes: &[ErrorFigures]) -> std::fmt::Resul
     Ok(())
 }
 
-/// The part of the page that tells of grid resolution.
+/// The part of the page about grid resolution.
 pub fn cells_markdown(cases: &[CellsFigures]) -> String {
     let mut text = String::new();
     write_cells(&mut text, cases).unwrap_or_default();
@@ -112,7 +112,7 @@ fn line(figures: &ErrorFigures, row: &Row) -> String {
     )
 }
 
-/// What to use for an error below `wanted_m`.
+/// Recommends what to use for an error below `wanted_m`.
 pub fn advice(figures: &ErrorFigures, wanted_m: f64) -> String {
     let wanted = length(wanted_m);
     let good = figures.rows.iter().filter(|row| row.error_rms_m <= wanted_m);
@@ -153,7 +153,7 @@ pub fn csv(scenes: &[ErrorFigures]) -> String {
     text
 }
 
-/// A text as one value of such a table.
+/// A text as one value of a table of comma-separated values.
 pub(crate) fn quoted(text: &str) -> String {
     let plain = !text.contains(['"', ',', '\n', '\r']);
     if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }

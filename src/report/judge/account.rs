@@ -1,4 +1,4 @@
-//! The energy of one body since a watch began: what it has, and what it can have.
+//! The energy account of one body since a watch began: the energy that it has, and the most that it can have.
 
 use glam::DVec3;
 
@@ -9,42 +9,43 @@ use crate::math::{Real, Vector};
 use crate::physics::{BodyModel, SAFETY, Simulation, StepReport};
 use crate::physics::{Diagnostics, Energy};
 
-/// Particles are light below this share of the mean: a corner of a cube of one solid weighs more.
+/// Particles below this share of the mean mass are light: a corner of a cube of one solid weighs more.
 const LIGHT: f64 = 0.1;
 
-/// The energy of one body since the start.
+/// The energy account of one body since the start of the watch.
 #[derive(Debug)]
 pub(super) struct Account {
     body: usize,
     start: Diagnostics,
     own_at_start: f64,
-    /// Done from outside but by gravity, J.
+    /// Work done from outside, without gravity's, J.
     work: f64,
-    /// Of it what was done at once, J.
+    /// The part of it that was done at once, J.
     meddling: f64,
-    /// The fastest surface of an obstacle that was met, m/s.
+    /// The fastest surface of an obstacle that the body met, m/s.
     fastest_push: f64,
-    /// The most that its springs and those of contact held since then, J.
+    /// The most energy in its springs and contact springs since it met a moving surface, J.
     squeezed: f64,
-    /// The most that its springs held, J.
+    /// The most energy in its springs and contact springs, J.
     held: f64,
-    /// What the part of it weighs that the rest can throw, kg; infinite where no part is that much lighter.
+    /// Mass of the light particles, which the rest can throw, kg; infinite where no particle is light.
     light_kg: f64,
     /// Whether it has met itself.
     strikes_itself: bool,
-    /// The fastest that the spring of one contact made its particle then, had the particle no links, m/s.
+    /// The largest speed to which a single contact spring could push its particle, if the particle had no links, m/s; at the
+    /// start and since the body met a moving surface.
     released: f64,
     gravity: DVec3,
     dt: f64,
     rounding: Rounding,
     now: Diagnostics,
     substeps: u64,
-    /// Sums over the window: own energy, what it may be without work from outside, and that work.
+    /// Sums over the window: own energy, the energy allowed without work from outside, and that work.
     sums: [f64; 3],
     looks: u32,
-    /// What it might have had more at the last look, J.
+    /// The allowed energy that it did not have at the last look, J.
     lacks: f64,
-    /// The largest that start and work came to, J.
+    /// The largest sum so far of energy at the start and work, J.
     turnover: f64,
     gain: Option<String>,
 }
@@ -85,18 +86,18 @@ impl Account {
         self.meddling += work.max(0.0);
     }
 
-    /// Counts the work (J) of obstacles of which the fastest surface moves at `speed` (m/s).
+    /// Counts the work (J) of obstacles whose fastest surface moves at `speed` (m/s).
     pub(super) fn push(&mut self, speed: f64, work: f64) {
         self.work += work;
         self.fastest_push = self.fastest_push.max(speed);
     }
 
-    /// It has met itself.
+    /// Notes that the body has met itself.
     pub(super) fn strike_itself(&mut self) {
         self.strikes_itself = true;
     }
 
-    /// Looks at the energy; none of a body that fell out of the scene, which stays what it was when it was seen last.
+    /// Looks at the energy. Gives no sample of a body that fell out of the scene, which keeps its last values.
     pub(super) fn look<R: Real>(
         &mut self,
         simulation: &Simulation<R>,
@@ -120,7 +121,7 @@ impl Account {
         let by_itself = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity;
         let allowed = by_itself + self.work;
         self.turnover = self.turnover.max(allowed);
-        // One that is gone has what it had not when it was seen last: another may have it.
+        // A body that is gone may have given the energy it lacked when last seen to another body.
         if !is_gone {
             self.lacks = (allowed - own(&self.now)).max(0.0);
         }
@@ -146,14 +147,14 @@ impl Account {
         })
     }
 
-    /// Closes a window of some bodies that share what they have, and tells of their gain as a share.
+    /// Closes a window of some bodies that share their energy, and returns their gain as a share.
     pub(super) fn close(those: &mut [&mut Self], substeps: u64) -> f64 {
         let (mut sum, mut excused, mut turnover) = ([0.0, 0.0, 0.0_f64], 0.0, 0.0);
         for account in &mut *those {
             account.substeps = substeps;
             let [own, by_itself, work] = account.sums.map(|sum| sum / f64::from(account.looks.max(1)));
             (account.sums, account.looks) = ([0.0; 3], 0);
-            // Work from outside is counted for all bodies together.
+            // Work from outside is counted for all bodies together, so it is added once.
             sum = [sum[0] + own, sum[1] + by_itself, if work.abs() > sum[2].abs() { work } else { sum[2] }];
             excused += account.rounding.energy(substeps) + account.unresolved();
             turnover += account.turnover;
@@ -171,19 +172,19 @@ impl Account {
         share
     }
 
-    /// The most energy that it had to give to others, J.
+    /// The most energy that the body could have given to others, J.
     pub(super) fn turnover(&self) -> f64 {
         self.turnover
     }
 
-    /// What gravity gives a body that is let go in the middle of a substep, J: steps cannot tell when. It is nothing but
-    /// where gravity is great and the step long.
+    /// The energy that gravity may give a body that is let go in the middle of a substep, J, as steps do not resolve when
+    /// that is. It is negligible unless gravity is strong and the step long.
     fn unresolved(&self) -> f64 {
         let speed = 0.5 * self.gravity.length() * self.dt;
         0.5 * self.start.mass_kg * speed * speed
     }
 
-    /// What is wrong, where others that it has met could give the body so much energy (J).
+    /// Finds what is wrong; `given` is the energy that the bodies it has met could have given it (J).
     pub(super) fn fault(&self, seconds: f64, given: Option<f64>) -> Option<(Fault, String)> {
         if !self.now.finite {
             return Some((Fault::NotFinite, format!("after {seconds} s")));
@@ -195,14 +196,16 @@ impl Account {
         (furthest > REACH * reach).then(|| (Fault::Reach, format!("{furthest} m away of {reach} m, after {seconds} s")))
     }
 
-    /// How far the body could get by its start: by its speed, by gravity, by what it is pushed out of obstacles with, by
-    /// obstacles that push it and its own size, m. A body that is squeezed between obstacles leaves faster than they move,
-    /// by what its springs held. Where links are next to nothing, one particle leaves with all
-    /// that the spring of its own contact held. A light part that is caught by an obstacle while the heavy rest flies on
-    /// is thrown by what the springs between them held; one that the heavy rest strikes as bodies strike each other, by all
-    /// that this had. What rounding may show it may fly apart with, and what other bodies could give it. Bodies meet each
-    /// other by points of their cells, and a cell that is thrown back at a point near a corner may leave that with all that
-    /// its eight have: √8 times as fast.
+    /// How far the body can have got, m, by its speed at the start, by gravity, by being pushed out of obstacles, by moving
+    /// obstacles, and by its own size.
+    ///
+    /// - A body squeezed between obstacles may leave faster than they move, by the energy of its springs.
+    /// - If links are next to nothing, one particle leaves with all the energy of its own contact spring.
+    /// - A light part that an obstacle catches while the heavy rest flies on is thrown by the springs between them. If the
+    ///   body meets itself, the heavy rest may also strike the light part with all its energy.
+    /// - The body may fly apart with the energy of rounding errors, and with the energy that other bodies could give it.
+    /// - Bodies meet by points of their cells. A cell thrown back at a point near a corner may give that corner the energy
+    ///   of all its eight corners: √8 times the speed.
     fn reach(&self, seconds: f64, given: Option<f64>) -> f64 {
         let stored = (self.own_at_start - self.start.energy.kinetic).max(self.squeezed)
             + self.meddling
@@ -217,7 +220,7 @@ impl Account {
         speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
     }
 
-    /// Of the start's middle, m.
+    /// The furthest that the body is now from its middle at the start, m.
     fn furthest(&self) -> f64 {
         let bounds = self.now.bounds;
         let middle = self.start.bounds.center();
@@ -225,7 +228,7 @@ impl Account {
     }
 }
 
-/// What the light particles of a body weigh together, kg; infinite where none is light to the others.
+/// Mass of all light particles of a body, kg; infinite where none is light compared with the others.
 fn light_mass<R: Real>(body: &BodyModel<R>) -> f64 {
     let masses = || (0..body.particles.len()).map(|particle| body.mass(particle).to_f64());
     let light = LIGHT * masses().sum::<f64>() / body.particles.len() as f64;
@@ -233,7 +236,7 @@ fn light_mass<R: Real>(body: &BodyModel<R>) -> f64 {
     if sum > 0.0 { sum } else { f64::INFINITY }
 }
 
-/// The fastest that the spring of a contact in the last substep could make its particle, m/s.
+/// The largest speed to which a contact spring of the last substep could push its particle, m/s.
 fn fastest_release<R: Real>(simulation: &Simulation<R>, number: usize) -> f64 {
     let body = &simulation.model().bodies[number];
     let own = simulation.contacts().iter().filter(|contact| body.particles.contains(&contact.particle));
@@ -251,9 +254,9 @@ fn fastest_release<R: Real>(simulation: &Simulation<R>, number: usize) -> f64 {
     speeds.chain(of_points).fold(0.0, f64::max)
 }
 
-/// Energy without that of height, J, as leapfrog keeps it: what is in links swings by up to a fifth of the whole as it
-/// becomes motion and back, which is no gain. Not more is taken off than a vibration within the bound has, or one that
-/// grows would not be seen.
+/// Energy without that of height, J, as leapfrog keeps it. The energy in links swings by up to a fifth of the whole as it
+/// becomes motion and back; that is no gain, so it is taken off. At most the swing of a vibration within the stability bound
+/// is taken off, or a growing one would not be noticed.
 fn own(diagnostics: &Diagnostics) -> f64 {
     let Diagnostics { energy, half_step, .. } = diagnostics;
     energy.total() - energy.gravity - half_step.min(SAFETY * SAFETY * energy.elastic)

@@ -1,4 +1,4 @@
-//! What a look at a body sees: the terms of its account, to be read one below the other.
+//! What a look at a body sees: the terms of its energy account, for a table with a row a look.
 
 use serde::Serialize;
 
@@ -11,35 +11,35 @@ pub struct EnergySample {
     pub time_secs: f64,
     /// Which body.
     pub body: usize,
-    /// Of motion.
+    /// Kinetic energy.
     pub kinetic: f64,
-    /// Of links.
+    /// Energy of links.
     pub elastic: f64,
-    /// Of the recovery from inversion.
+    /// Energy of the recovery from inversion.
     pub recovery: f64,
-    /// Of the penalty springs of contact.
+    /// Energy of the penalty springs of contact.
     pub contact: f64,
-    /// The sum of all these.
+    /// The sum of the four above, without the swing of a vibration within its steps.
     pub own: f64,
-    /// Done from outside but by gravity, since the start.
+    /// Work done from outside since the start, without gravity's.
     pub work: f64,
-    /// What `own` may be: that at the start, the work, and what gravity did.
+    /// The most that `own` may be: its value at the start, the work, and what gravity did.
     pub allowed: f64,
     /// Substeps and parts of them taken since the start.
     pub substeps: u64,
-    /// Of the implicit integrator's, those that would have given energy and were halved, since the start.
+    /// Substeps of the implicit integrator since the start that would have gained energy and were halved.
     pub halved: u64,
     /// Particles that touch an obstacle.
     pub contacts: usize,
-    /// How deep the deepest of them is, m.
+    /// The deepest penetration among them, m.
     pub depth_m: f64,
 }
 
-/// What is told to who follows a watch.
+/// An event that is reported to whoever follows a watch.
 #[derive(Clone, Copy, Debug)]
 pub enum Seen<'a> {
     /// A look at a body.
     Look(&'a EnergySample),
-    /// Something was done to the scene; the work counted for it, J.
+    /// A disturbance of the scene, and the work counted for it, J.
     Disturbed(&'a Disturbance, f64),
 }

@@ -1,11 +1,11 @@
-//! What can be wrong with a motion, and from where on it is.
+//! The faults of a motion, and the bounds beyond which they count.
 
 use serde::{Deserialize, Serialize};
 
-/// The energy that may be gained from nowhere, as a share.
+/// The share of energy that may be gained from nowhere.
 pub const GAIN: f64 = 0.05;
 
-/// The reach that may be exceeded, as a factor.
+/// The factor by which the reach may be exceeded.
 pub const REACH: f64 = 1.5;
 
 /// What is wrong with a motion.
@@ -16,9 +16,9 @@ pub enum Fault {
     NotFinite,
     /// Energy from nowhere.
     Energy,
-    /// Further away than it could get.
+    /// A body is further away than it could get.
     Reach,
-    /// Far more work than was to be expected, and not a word of it.
+    /// Far more work than was to be expected, without the solver reporting that it was slowed.
     Work,
 }
 

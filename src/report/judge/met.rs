@@ -1,19 +1,19 @@
-//! Which bodies have met: what one of them gives another it has no more, so they are judged together.
+//! Groups of bodies that have met: energy passes between them, so they are judged together.
 
-/// Bodies by whether they have met, themselves or by way of others.
+/// Groups of bodies that have met directly or through others.
 #[derive(Clone, Debug)]
 pub(super) struct Met {
-    /// For every body the first of those that it has met.
+    /// For every body, the lowest number in its group.
     first: Vec<usize>,
 }
 
 impl Met {
-    /// So many bodies that have not met.
+    /// A number of bodies that have not met.
     pub(super) fn new(bodies: usize) -> Self {
         Self { first: (0..bodies).collect() }
     }
 
-    /// These two meet.
+    /// Joins the groups of two bodies that meet.
     pub(super) fn meet(&mut self, pair: [usize; 2]) {
         let [one, other] = pair.map(|body| self.first[body]);
         if one != other {
@@ -22,7 +22,7 @@ impl Met {
         }
     }
 
-    /// The first of those that each body has met, by body.
+    /// The lowest number in each body's group, by body.
     pub(super) fn first(&self) -> &[usize] {
         &self.first
     }

@@ -4,17 +4,16 @@
 //! ```text
 //! own energy   motion (velocities half a step before × after), links, recovery, and the penalty springs of contact;
 //!              mean over 1/60 s and no fewer than eight substeps
-//! work         what gravity did to the body since the start, moving obstacles (force × velocity of the surface) and what
-//!              else was done to it from outside, and what parted bodies that were inside each other, which no spring
-//!              held: obstacles that stand still do none, as what they give back was
-//!              stored in their penalty springs, at the start too where a body was put into them
+//! work         since the start: gravity's, that of moving obstacles (force × velocity of the surface), disturbances from
+//!              outside, and what parted bodies inside each other, which no spring held. Obstacles that stand still do
+//!              none: they give back what their penalty springs stored, at the start too where a body was put into them
 //! faultless    own energy ≤ own energy at the start + work + 5 % of the largest that sum has been,
-//!              and what rounding shows and a fall within one substep gives, both next to nothing in common scenes
+//!              and the energy of rounding errors and of a fall within one substep, both next to nothing in common scenes
 //! ```
 //!
-//! Each body is judged by itself, so that a heavy one does not hide a light one, until it meets another: from then on they
-//! are judged together, with all that they have met. The velocities at a position's time have a share of the coming
-//! substep's push, so a look sees whom a body meets in it.
+//! Each body is judged alone, so that a heavy one does not hide a light one, until it meets another: from then on it is
+//! judged together with all bodies that it has met. The velocities at a position's time include a share of the coming
+//! substep's push, so a look also counts the bodies that meet in that substep.
 
 mod account;
 mod energy_sample;
@@ -41,19 +40,19 @@ use crate::physics::SOLVE_WORK;
 use crate::physics::{Simulation, StageTimer, StepReport};
 use crate::scene::Scene;
 
-/// Energies are means over so much simulated time, s, ...
+/// Energies are means over this much simulated time, s, ...
 const WINDOW_SECS: f64 = FRAME_SECS;
 
 /// ... and over no fewer substeps: the energy of the highest mode swings within a period of some six of them.
 const WINDOW_SUBSTEPS: u64 = 8;
 
-/// `gelatin check` measures so much simulated time, s.
+/// `gelatin check` measures this much simulated time, s, and foretells the work from it.
 const FORETOLD_SECS: f64 = 0.5;
 
-/// So many times the work that was foretold is not taken without a word.
+/// A scene that takes more than this many times the work foretold, without being slowed, is at fault.
 const MORE_WORK: f64 = 100.0;
 
-/// Looks at the energy in that time, not evenly spaced: see [`nth_look`].
+/// Looks at the energy in a window, not evenly spaced: see [`nth_look`].
 const LOOKS: u64 = 8;
 
 /// How long a scene is watched.
@@ -65,16 +64,16 @@ pub struct Patience {
     pub most_link_forces: u64,
 }
 
-/// What became of a substep.
+/// The outcome of a substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Advance {
     Taken,
-    /// Nothing has happened in its last part.
+    /// The substep was given up; its last part has left no trace.
     GivenUp,
     Diverged,
 }
 
-/// What was seen of a scene.
+/// What was found of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
     /// What is wrong, if anything.
@@ -83,7 +82,7 @@ pub struct Verdict {
     pub words: String,
     /// Simulated time that was watched, s.
     pub simulated_secs: f64,
-    /// Whether that is less than it should have been, as it took too many substeps.
+    /// Whether the time was cut short, as the scene took too much work.
     pub cut_short: bool,
     /// Substeps taken.
     pub substeps: u64,
@@ -91,16 +90,16 @@ pub struct Verdict {
     pub work: u64,
     /// Substeps that reached the limit of the implicit integrator's work.
     pub slowed: u64,
-    /// The most energy from nowhere, as a share of what was there.
+    /// The largest gain of energy from nowhere, as a share of the energy there was.
     pub largest_gain: f64,
 }
 
-/// Watches a scene, in single precision as the sandbox runs it or in double; `lattices` are those of its bodies.
+/// Judges a scene, in single precision as the sandbox runs it or in double; `lattices` are those of its bodies.
 pub fn judge<R: Real>(scene: &Scene, lattices: &[Arc<Lattice>], patience: Patience) -> Verdict {
     judge_disturbed::<R>(scene, &[], lattices, patience)
 }
 
-/// The same of a scene of one body to which something happens in the order given.
+/// Judges a scene of one body with disturbances in the order given.
 pub fn judge_disturbed<R: Real>(
     scene: &Scene,
     disturbances: &[Disturbance],
@@ -110,7 +109,7 @@ pub fn judge_disturbed<R: Real>(
     judge_followed::<R>(scene, disturbances, lattices, patience, |_| ())
 }
 
-/// The same, telling of every look and of everything that is done to the scene.
+/// As [`judge_disturbed`], reporting every look and every disturbance.
 pub fn judge_followed<R: Real>(
     scene: &Scene,
     disturbances: &[Disturbance],
@@ -140,12 +139,12 @@ pub fn judge_followed<R: Real>(
     }
 }
 
-/// All energy, J, that nothing need take after something was done to the scene.
+/// The energy, J, that the bodies may keep after a disturbance.
 ///
-/// The velocity at a position's time is that of half a substep ago and a share s of what the coming substep adds,
-/// `v + s (dt F + J)/m`, where J is the impulse of contact with obstacles that stand still. A body that is thrown at a
-/// plane has lost energy in it before it gets there. If the plane sweeps out of its way in that substep there is no J and
-/// the body keeps all of its energy. If the plane comes towards it, what it has past that is the plane's work.
+/// The velocity at a position's time is that of half a substep ago plus a share s of the coming substep's change, `v + s (dt
+/// F + J)/m`, where J is the impulse of contact with obstacles that stand still. With J, a body thrown at a plane loses
+/// energy before it gets there. If the plane sweeps out of its way in that substep, there is no J and the body keeps all of
+/// its energy. If the plane comes towards the body, the energy beyond that is the plane's work.
 fn energy_to_keep<R: Real>(simulation: &Simulation<R>) -> f64 {
     let met = simulation.diagnostics().energy;
     if simulation.state().sweeps.is_empty() {
@@ -161,7 +160,7 @@ fn energy_to_keep<R: Real>(simulation: &Simulation<R>) -> f64 {
 pub struct Watch {
     patience: Patience,
     links: u64,
-    /// Substeps to be taken at most.
+    /// The most substeps to take.
     substeps: u64,
     /// Substeps in a window.
     window: u64,
@@ -175,13 +174,13 @@ pub struct Watch {
     looks: Vec<EnergySample>,
     forces: u64,
     taken: StepReport,
-    /// The work that is to be expected, passes over the links in a second.
+    /// The work to be expected, as passes over the links in a second.
     foretold: f64,
     verdict: Verdict,
 }
 
 impl Watch {
-    /// Begins with a simulation as it is.
+    /// Begins with a simulation in its present state.
     pub fn open<R: Real>(simulation: &Simulation<R>, patience: Patience) -> Self {
         let dt = simulation.plan().substep_secs();
         let links = simulation.model().link_counts().iter().sum::<usize>() as u64;
@@ -224,12 +223,12 @@ impl Watch {
         self.bodies.iter_mut().for_each(|account| account.meddle(work));
     }
 
-    /// Takes one substep and looks at it. Says whether there is more to see.
+    /// Takes one substep and looks at it. Returns whether there is more to see.
     pub fn substep<R: Real>(&mut self, simulation: &mut Simulation<R>) -> bool {
         self.substep_unless(simulation, &mut ())
     }
 
-    /// The same, but a substep that `timer` gives up is taken at the next call, with the same outcome.
+    /// As [`Watch::substep`], but a substep that `timer` gives up is taken at the next call, with the same outcome.
     pub fn substep_unless<R: Real>(&mut self, simulation: &mut Simulation<R>, timer: &mut impl StageTimer) -> bool {
         if self.forces > self.patience.most_link_forces {
             self.verdict.cut_short = true;
@@ -258,13 +257,13 @@ impl Watch {
         self.verdict.fault.is_none() && self.verdict.substeps < self.substeps
     }
 
-    /// Counts the work, and condemns a scene that takes far more of it than its first half second let expect.
+    /// Counts the work, and condemns a scene that takes far more of it than its first half second suggests.
     fn count_work<R: Real>(&mut self, simulation: &Simulation<R>) {
         let secs = self.verdict.simulated_secs;
         self.verdict.work = self.forces / self.links.max(1);
         self.verdict.slowed = self.taken.counters.slowed;
         let rate = self.verdict.work as f64 / secs;
-        // What a body takes that does anything at all: one that sleeps takes nothing.
+        // The least work of a body that moves; a sleeping body takes none.
         let least = (1 + SOLVE_WORK) as f64 / simulation.plan().substep_secs();
         if secs <= FORETOLD_SECS {
             self.foretold = rate.max(least);
@@ -273,12 +272,12 @@ impl Watch {
         }
     }
 
-    /// What was seen.
+    /// Returns what was found.
     pub fn verdict(self) -> Verdict {
         self.verdict
     }
 
-    /// Takes a whole substep, in parts where it is halved; what was given up leaves no trace.
+    /// Takes a whole substep, in parts where it is halved; a part that was given up leaves no trace.
     fn advance<R: Real>(&mut self, simulation: &mut Simulation<R>, timer: &mut impl StageTimer) -> Advance {
         loop {
             let report = simulation.substep(timer);
@@ -302,7 +301,7 @@ impl Watch {
         }
     }
 
-    /// These pairs push each other.
+    /// Notes the pairs of bodies that push each other.
     fn meet(&mut self, pairs: &[[usize; 2]]) {
         for &[one, other] in pairs {
             self.met.meet([one, other]);
@@ -334,7 +333,7 @@ impl Watch {
     /// Closes the window of every body, together with those that it has met.
     fn close(&mut self) {
         let Self { bodies, met, verdict, taken, .. } = self;
-        // Rounding goes by the parts of substeps, too.
+        // Rounding errors grow with the parts of substeps, too.
         let parts = taken.counters.substeps.max(verdict.substeps);
         for first in 0..bodies.len() {
             let those = bodies.iter_mut().zip(met.first()).filter(|(_, of)| **of == first);
@@ -345,7 +344,7 @@ impl Watch {
         }
     }
 
-    /// What those that a body has met could have given it at most, J; none where it has met no other.
+    /// The most energy that the bodies met by a body could have given it, J; none where it has met no other.
     fn given_by_others(&self, body: usize) -> Option<f64> {
         let first = self.met.first();
         let others = self.bodies.iter().enumerate().filter(|(other, _)| *other != body && first[*other] == first[body]);
@@ -357,9 +356,9 @@ impl Watch {
     }
 }
 
-/// The substep of a look: so many substeps after the one before in the mean, earlier or later by a multiple of the golden
-/// ratio (Weyl 1916). The energy of a vibration swings twice in its period, by a quarter of `(dt ω)²`; looks in step with it
-/// would take one end of the swing for the mean.
+/// The substep of a look. Looks are `between` substeps apart on average, shifted by multiples of the golden ratio (Weyl
+/// 1916). The energy of a vibration swings twice in its period, by a quarter of `(dt ω)²`; looks in step with it would take
+/// one end of the swing for the mean.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a few substeps")]
 fn nth_look(number: u64, between: u64) -> u64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
@@ -367,7 +366,7 @@ fn nth_look(number: u64, between: u64) -> u64 {
     number * between + ((share - share.floor()) * between as f64) as u64
 }
 
-/// At least one.
+/// A count of at least one.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least one, saturating")]
 fn count(share: f64) -> u64 {
     libm::round(share).max(1.0) as u64

@@ -1,19 +1,19 @@
-//! The energy that rounding alone may show, J. Far from the origin, and in large cells, a light stiff body at rest has no
-//! other energy.
+//! The energy that rounding errors alone may show, J. Far from the origin, and in large cells, a light stiff body at rest
+//! shows no other energy.
 //!
-//! A scalar knows a coordinate x to ε|x|, and the length of a link with the length at rest l to ε l.
+//! A scalar resolves a coordinate x to ε|x|, and the length of a link of rest length l to ε l.
 //!
 //! ```text
-//! start     ½ κ δ²,  δ = 8 ε (x, l)                    what was misplaced once, κ = k/l
+//! start     ½ κ δ²,  δ = 8 ε (x, l)                    misplaced once at the start, κ = k/l
 //! substep   ½ κ² δ² dt² (1/mᵢ + 1/mⱼ)                  a force that is wrong by κ δ is a kick
 //!         ≤ ½ κ δ² (2 S)²                              as dt² κ (1/mᵢ + 1/mⱼ) ≤ dt² ω² ≤ (2 S)², S the margin of the step
 //!         × (1 − S²/2) / (1 − S²)                      the energy that a kick leaves in leapfrog at dt ω = 2 S
 //!           δ² = ε²/12 (2 x² + 3.75 l²)                two ends, and the length: its difference and root, its product with
-//!                                                      1/l, and half of what its squares and their sums are wrong by; each
+//!                                                      1/l, and half of the errors of its squares and their sums; each
 //!                                                      anywhere within one unit in the last place
-//! walk      ln 10⁶ × substeps                          undamped links keep the kicks, each another: the energy of a random
-//!                                                      walk in one mode is exponentially distributed, and exceeds so many
-//!                                                      times its mean once in a million walks
+//! walk      ln 10⁶ × substeps                          undamped links keep the kicks, which are independent: the energy of a
+//!                                                      random walk in one mode is exponentially distributed, and exceeds
+//!                                                      this multiple of its mean once in a million walks
 //! ```
 //!
 //! (Higham and Mary, "A new approach to probabilistic rounding error analysis", 2019; Hairer, Lubich and Wanner,
@@ -26,19 +26,19 @@ use crate::physics::SAFETY;
 /// Units in the last place by which rounding may misplace a particle at the start.
 const MISPLACED: f64 = 8.0;
 
-/// Roundings of a length, by the squares of what they share in it.
+/// The roundings in a length, as a sum of the squares of their shares.
 const OF_LENGTH: f64 = 3.75;
 
 /// The energy of a kick in automatic stepping over ½ κ δ².
 const KICK: f64 = 4.0 * SAFETY * SAFETY * (1.0 - 0.5 * SAFETY * SAFETY) / (1.0 - SAFETY * SAFETY);
 
-/// One walk in so many shows more.
+/// One random walk in this many exceeds the bound.
 const WALKS: f64 = 1e6;
 
-/// What rounding works on in one body.
+/// The quantities that rounding acts on in one body.
 #[derive(Debug)]
 pub(super) struct Rounding {
-    /// Of the scalar in use.
+    /// ε of the scalar in use.
     epsilon: f64,
     /// κ of all links and contacts together, N/m.
     stiffness: f64,
@@ -68,18 +68,18 @@ impl Rounding {
         self.farthest = self.farthest.max(bounds.min.abs().max(bounds.max.abs()).max_element());
     }
 
-    /// All that rounding may show after so many substeps, J.
+    /// The most energy that rounding errors may show after `substeps` substeps, J.
     pub(super) fn energy(&self, substeps: u64) -> f64 {
         let at_start = self.of_misplaced(MISPLACED * MISPLACED, MISPLACED * MISPLACED);
         at_start + WALKS.ln() * substeps as f64 * self.mean_kick()
     }
 
-    /// What a substep gives in the mean at most, J.
+    /// The most energy that a substep gives on average, J.
     fn mean_kick(&self) -> f64 {
         KICK / 12.0 * self.of_misplaced(2.0, OF_LENGTH)
     }
 
-    /// ½ κ δ² of all links, for δ² of so many ε² x² and ε² l², J.
+    /// ½ κ δ² of all links, where δ² is `places` times ε² x² plus `lengths` times ε² l², J.
     fn of_misplaced(&self, places: f64, lengths: f64) -> f64 {
         let places = places * self.stiffness * self.farthest * self.farthest;
         0.5 * self.epsilon * self.epsilon * (places + lengths * self.of_lengths)
@@ -95,7 +95,7 @@ mod tests {
     use crate::scene::material::{Material, Spring, Springs};
     use crate::scene::{Body, Scene, Shape};
 
-    /// A cube of one cell, 400 m large, that weighs 35 g and has as good as no damping.
+    /// A cube of one cell, 400 m large, that weighs 35 g and has almost no damping.
     fn light_cube(turned: f64) -> Scene {
         let spring = |stiffness| Spring { stiffness, damping: 0.0 };
         let springs =
@@ -111,7 +111,7 @@ mod tests {
         scene
     }
 
-    /// The energy that a light cube shows after 4000 substeps, and the mean that rounding gives at most, J.
+    /// The energy that a light cube shows after 4000 substeps, and the mean derived from rounding, J.
     fn heated<R: Real>(turned: f64) -> (f64, f64) {
         let scene = light_cube(turned);
         let mut simulation = Simulation::<R>::new(&scene, &lattices(&scene).expect("a cube"));

@@ -1,4 +1,4 @@
-//! The judge sees what is wrong, and nothing else.
+//! The judge finds faults, and condemns nothing else.
 
 use glam::{DVec3, Vec3};
 
@@ -92,7 +92,7 @@ fn a_tenth_more_energy_is_seen_and_a_fiftieth_is_not() {
     assert_eq!(fiftieth.fault, None, "{fiftieth:?}");
 }
 
-/// A ball sweeps into a cube that floats; later the cube has `share` more kinetic energy.
+/// A ball sweeps into a cube that floats; later the cube gains `share` of its kinetic energy.
 fn kicked(share: f32) -> Verdict {
     let sphere = Sphere { center: [-1.2, 0.0, 0.0], radius: 0.5 };
     let ball = Obstacle { shape: ObstacleShape::Sphere(sphere), ..Obstacle::default() };
@@ -126,7 +126,7 @@ fn the_work_of_an_obstacle_may_be_had_and_more_may_not() {
     assert_eq!(gained.fault, Some(Fault::Energy), "{gained:?}");
 }
 
-/// A cube floats, a heavy one hits it; later what floats has `share` more kinetic energy.
+/// A cube floats and a heavy one hits it; later the floating cube gains `share` of its kinetic energy.
 fn hit(share: f32) -> Verdict {
     let mut scene = Scene { bodies: vec![Body::default(); 2], ..Scene::default() };
     scene.settings.gravity = [0.0; 3];
@@ -158,7 +158,7 @@ fn what_one_body_gives_another_may_be_had_and_more_may_not() {
     assert!(gained.words.contains("bodies 0, 1"), "both are judged: {gained:?}");
 }
 
-/// A soft cube without gravity, in steps so long that an obstacle sweeps to its place in one of them.
+/// A soft cube without gravity. Its steps are so long that an obstacle sweeps to its place within one of them.
 fn soft_cube(velocity: [f64; 3], ground: f64) -> Scene {
     let [structural, none] = [20.0, 0.0].map(|stiffness| Spring { stiffness, damping: 0.0 });
     let springs = Springs { structural, shear: none, bending: none, particle_mass: 1.0 };
@@ -180,7 +180,7 @@ fn plane_at(height: f64) -> Obstacle {
 
 #[test]
 fn a_plane_that_sweeps_away_leaves_a_thrown_body_all_its_energy() {
-    // In the coming substep the plane would stop it.
+    // The plane would stop the body in the coming substep.
     let scene = soft_cube([0.0, -100.0, 0.0], -0.2);
     let away = Box::new(Scene { obstacles: vec![plane_at(-1000.0)], ..scene.clone() });
     let sweep = What::Obstacles { scene: away, arrival: Arrival::Swept };
@@ -204,7 +204,7 @@ fn a_strained_body_gets_as_far_as_it_is_pushed_in_the_first_part_of_a_substep() 
     let lattices = lattices(&scene).expect("a cube");
     let mut simulation = Simulation::<f32>::new(&scene, &lattices);
     let mut state = simulation.state().clone();
-    // All its links line up.
+    // This lines up all its links.
     state.position.iter_mut().for_each(|x| *x = Vec3::X * (3.0 * x.x + 2.0 * x.y + 1.5 * x.z));
     simulation.set_state(state);
     let mut watch = Watch::open(&simulation, PATIENCE);
@@ -238,7 +238,7 @@ fn a_particle_without_links_to_speak_of_gets_as_far_as_its_own_contact_throws_it
     assert_eq!(verdict.fault, None, "{verdict:?}");
 }
 
-/// What is said of a scene all of whose particles are suddenly so far (m) away in a substep.
+/// Judges a scene whose particles all jump by `way` (m) in substep `at`.
 fn catapult(scene: &Scene, at: u64, way: f32) -> Verdict {
     seen(scene, |simulation, substep| {
         if substep == at {
@@ -251,8 +251,8 @@ fn catapult(scene: &Scene, at: u64, way: f32) -> Verdict {
 
 #[test]
 fn a_light_part_gets_as_far_as_the_heavy_rest_throws_it_and_no_further() {
-    // Its light half is caught between two planes while the heavy one flies on; the heavy half is caught, and strikes the
-    // light one.
+    // In the first scene, two planes catch the light half while the heavy one flies on. In the second, the heavy half is
+    // caught and strikes the light one.
     let mut thrown = (extreme_of(Edition::First, 1_623_209_670, 3728).0, 40, 3000.0);
     thrown.0.bodies.iter_mut().for_each(|body| body.self_collides = false);
     let struck = (extreme_of(Edition::Second, 1_158_365_644, 907).0, 10, 1e6);
@@ -267,7 +267,7 @@ fn a_light_part_gets_as_far_as_the_heavy_rest_throws_it_and_no_further() {
 #[test]
 fn looks_are_in_step_with_no_vibration() {
     for between in 2..40 {
-        // Evenly spaced looks would all see the end of its swing.
+        // Evenly spaced looks would all see the end of the swing.
         let swing = |look| (2.0 * std::f64::consts::PI * look as f64 / between as f64).cos();
         let looks: Vec<u64> = (0..80).map(|number| nth_look(number, between)).collect();
         assert!(looks.is_sorted_by(|one, next| one < next), "one after another");

@@ -1,4 +1,4 @@
-//! Who is compared, and what a peer is made of.
+//! The contenders of the comparison, and the materials of the peers.
 
 use serde::{Serialize, Serializer};
 
@@ -7,25 +7,25 @@ use crate::report::error::Way;
 use crate::scene::settings::Integrator;
 use crate::scene::{Material, Solid};
 
-/// The damping ratio of its cells with which a peer is brought to rest.
+/// The damping ratio of a peer's cells while it is brought to rest.
 const CELLS_DAMPING_RATIO: f64 = 0.1;
 
 /// A soft body of another engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Peer {
-    /// Our links as its edges.
+    /// Edges made from our links.
     Links,
-    /// Its elastic cells, solved as constraints.
+    /// Elastic cells, solved as constraints.
     Cells,
-    /// Its elastic cells, solved as finite elements by implicit Euler steps.
+    /// Elastic cells, solved as finite elements by implicit Euler steps.
     Elements,
 }
 
 impl Peer {
-    /// All of them.
+    /// All peers.
     pub const ALL: [Self; 3] = [Self::Links, Self::Cells, Self::Elements];
 
-    /// What it is made of before it is tuned: our links, or cells of our modulus.
+    /// The peer's material before it is tuned: our links, or cells of our modulus.
     pub(super) fn start(self, cube: &Cube) -> Tuning {
         let Some(Material::Solid(Solid { young_modulus, .. })) = cube.scene.bodies.first().map(|body| &body.material)
         else {
@@ -40,18 +40,18 @@ impl Peer {
     }
 }
 
-/// What a peer is made of.
+/// The material of a peer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tuning {
-    /// Over that of our links, or Young's modulus, Pa.
+    /// Stiffness as a multiple of our links', or Young's modulus, Pa.
     pub(super) stiffness: f64,
-    /// Over that of our links, or the damping ratio of the cells.
+    /// Damping as a multiple of our links', or the damping ratio of the cells.
     pub(super) damping: f64,
-    /// Rate at which every particle loses speed, 1/s: to bring a body to rest.
+    /// Rate at which every particle loses speed, 1/s; brings a body to rest.
     pub(super) drag: f64,
 }
 
-/// Who takes the steps.
+/// An engine, and the way it takes its steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contender {
     /// Gelatin.
@@ -61,7 +61,7 @@ pub enum Contender {
 }
 
 impl Contender {
-    /// All of them: ours first.
+    /// All contenders, ours first.
     pub const ALL: [Self; 5] = [
         Self::Ours(Way::Automatic),
         Self::Ours(Way::Manual(Integrator::Verlet)),

@@ -1,4 +1,4 @@
-//! The cube that is compared: it hangs by its top and is let go unstretched.
+//! The cube of the comparison: it hangs by its top and is let go unstretched.
 
 use std::sync::Arc;
 
@@ -12,11 +12,11 @@ use crate::report::extremes::lattices;
 use crate::scene::resolve::ResolveError;
 use crate::scene::{Material, Scene, Solid};
 
-/// How long a body that is damped hard takes until it hangs still, s.
+/// The time in which a strongly damped body comes to rest, s.
 pub(super) const REST_SECS: f64 = 1.6;
-/// The step with which rest is sought, s. Where a body rests does not depend on it.
+/// The step on the way to rest, s. The rest position does not depend on it.
 pub(super) const REST_STEP_SECS: f64 = 0.008;
-/// The damping ratio with which ours comes to rest. Where it rests does not depend on it.
+/// The damping ratio of our cube on the way to rest. The rest position does not depend on it.
 const REST_DAMPING_RATIO: f64 = 0.7;
 
 /// A cube of 1 m.
@@ -24,12 +24,12 @@ pub(super) struct Cube {
     pub(super) divisions: u32,
     pub(super) scene: Scene,
     pub(super) lattices: Vec<Arc<Lattice>>,
-    /// Its particles, masses, links and what is held.
+    /// Its particles, masses, links and pins.
     pub(super) body: BodyModel<f64>,
 }
 
 impl Cube {
-    /// A hanging cube of this solid; an error where it cannot be made, which no number of divisions in use should cause.
+    /// A hanging cube of this solid; an error if it cannot be made, which no number of divisions in use should cause.
     pub(super) fn hanging(divisions: u32, solid: Solid) -> Result<Self, ResolveError> {
         let mut scene = hanging(divisions);
         for body in &mut scene.bodies {
@@ -40,7 +40,7 @@ impl Cube {
         Ok(Self { divisions, scene, lattices, body })
     }
 
-    /// Where its particles hang still, by automatic stepping in double precision, m; none where `watch` cancels.
+    /// The particles' rest positions, by automatic stepping in double precision, m; none where `watch` cancels.
     pub(super) fn rest(&self, watch: &dyn Watch) -> Option<Vec<[f64; 3]>> {
         let mut scene = Way::Automatic.applied(&self.scene, REST_STEP_SECS);
         for body in &mut scene.bodies {

@@ -1,4 +1,4 @@
-//! The pile that is compared: the jellies of a preset before they fall.
+//! The pile of the comparison: the jellies of a preset before they fall.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::scene::{Scene, presets};
 /// The preset.
 const PRESET: &str = "pile";
 
-/// Corners of the six faces of a cell, counter-clockwise from outside; bit 0 of a place is x, bit 1 y, bit 2 z.
+/// The corners of a cell's six faces, counter-clockwise from outside. In a corner's number bit 0 is x, bit 1 y, bit 2 z.
 const FACES: [[usize; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
 /// The pile before it falls.
@@ -23,7 +23,7 @@ pub(super) struct Pile {
 }
 
 impl Pile {
-    /// That of the preset; an error where it cannot be made, which the preset should not cause.
+    /// The pile of the preset; an error if it cannot be made, which the preset should not cause.
     pub(super) fn new() -> Result<Self, ResolveError> {
         let mut scene = presets::preset(PRESET).map(|preset| (preset.build)()).unwrap_or_default();
         scene.settings.sleeping = false;

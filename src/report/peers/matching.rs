@@ -1,4 +1,4 @@
-//! Giving a peer the stiffness with which it sags as ours does, and the damping with which it swings most like ours.
+//! Gives a peer the stiffness with which it sags as our cube does, and the damping with which it swings most like it.
 
 use serde::Serialize;
 
@@ -11,12 +11,12 @@ use crate::report::error::follow::{Followed, Lost, follow_steps, rms, whole};
 
 /// Sags that differ by less than this share are the same.
 pub const SAME_SAG: f64 = 0.01;
-/// Sags closer than this to each other, as a share, are not brought nearer.
+/// Sags closer to each other than this share are not brought nearer.
 const NEAR: f64 = 2e-4;
-/// Tries to find a stiffness, and the most that one is changed by in a try, as the logarithm of a factor.
+/// The most tries to find a stiffness, and the most that a try changes it by, as the logarithm of a factor.
 const TRIES: usize = 10;
 const MOST_CHANGE: f64 = 1.5;
-/// Damping ratios between which the best one is sought, and by how many swings.
+/// The range of damping ratios in which the best one is sought, and the number of swings for that.
 const RATIOS: [f64; 2] = [0.001, 0.5];
 const SWINGS: usize = 10;
 /// Golden section.
@@ -24,28 +24,28 @@ const GOLDEN: f64 = 0.618_033_988_749_895;
 /// The rate at which particles lose speed on the way to rest, 1/s: near the critical one of the slowest vibration.
 const REST_DRAG: f64 = 20.0;
 
-/// A peer made to sag as ours; the names are those of the JSON object. SI units.
+/// A peer tuned to sag as our cube does; the names are those of the JSON object. SI units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct Matched {
     pub peer: Peer,
-    /// Over that of our links, or Young's modulus, Pa.
+    /// Stiffness as a multiple of our links', or Young's modulus, Pa.
     pub stiffness: f64,
-    /// Over that of our links, or the damping ratio of the cells.
+    /// Damping as a multiple of our links', or the damping ratio of the cells.
     pub damping: f64,
     pub sag_m: f64,
-    /// Whether the sag is that of ours.
+    /// Whether the sag equals that of our cube.
     pub same_sag: bool,
 }
 
 impl Matched {
-    /// What it is made of, when it swings.
+    /// The peer's material while it swings.
     pub(super) fn tuning(&self) -> Tuning {
         Tuning { stiffness: self.stiffness, damping: self.damping, drag: 0.0 }
     }
 }
 
-/// Makes a peer of `cube` sag by `sag_m` and swing like `truth`; none where `watch` cancels.
+/// Tunes a peer of `cube` to sag by `sag_m` and swing like `truth`; none where `watch` cancels.
 pub(super) fn matched(
     cube: &Cube,
     peer: Peer,
@@ -62,7 +62,7 @@ pub(super) fn matched(
         let swing = swing(cube, peer, tuning, REST_STEP_SECS, truth.len() as u64, None, watch);
         (!swing.cancelled).then(|| rms(&swing.looks, truth))
     };
-    // The same links have the same damping: there is nothing to choose.
+    // The same links have the same damping, so there is nothing to choose.
     let damping = if peer == Peer::Links { start.damping } else { least(RATIOS, swing_error)? };
     Some(Matched { peer, stiffness, damping, sag_m: found_m, same_sag: is_same_sag(found_m, sag_m) })
 }
@@ -72,14 +72,14 @@ pub(super) fn is_same_sag(found_m: f64, wanted_m: f64) -> bool {
     (found_m / wanted_m - 1.0).abs() < SAME_SAG
 }
 
-/// Where a peer's particles hang still, m; none where `watch` cancels.
+/// A peer's particles at rest, m; none where `watch` cancels.
 pub(super) fn rest(cube: &Cube, peer: Peer, tuning: Tuning, dt: f64, watch: &dyn Watch) -> Option<Vec<[f64; 3]>> {
     let looks = whole(REST_SECS / LOOK_SECS);
     let tuning = Tuning { drag: REST_DRAG, ..tuning };
     swing(cube, peer, tuning, dt, looks, None, watch).looks.pop().filter(|_| !watch.cancelled())
 }
 
-/// Lets a peer go, unstretched.
+/// Lets an unstretched peer go.
 pub(super) fn swing(
     cube: &Cube,
     peer: Peer,
@@ -92,8 +92,8 @@ pub(super) fn swing(
     follow_steps(&mut World::new(cube, peer, tuning, dt), dt, looks, lost, watch)
 }
 
-/// The stiffness whose sag is nearest to the one wanted, and that sag, by secants of the logarithms, beginning with a sag
-/// that is inverse to the stiffness; none where `sag` gives none.
+/// Finds the stiffness whose sag is nearest to the wanted one, and that sag. Takes secants of the logarithms, and assumes at
+/// first that the sag is inverse to the stiffness. None where `sag` gives none.
 fn stiffness(start: f64, wanted: f64, mut sag: impl FnMut(f64) -> Option<f64>) -> Option<(f64, f64)> {
     let (mut at, mut slope) = (start, -1.0);
     let mut nearest = (start, f64::INFINITY);
@@ -120,7 +120,8 @@ fn stiffness(start: f64, wanted: f64, mut sag: impl FnMut(f64) -> Option<f64>) -
     Some(nearest)
 }
 
-/// Where between two values an error is least, by golden section of the logarithm; none where `error` gives none.
+/// The value between two others at which an error is least, by golden section of the logarithm; none where `error` gives
+/// none.
 fn least([low, high]: [f64; 2], mut error: impl FnMut(f64) -> Option<f64>) -> Option<f64> {
     let [mut low, mut high] = [libm::log(low), libm::log(high)];
     let mut at = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];

@@ -1,16 +1,17 @@
 //! Another engine's soft body beside ours: wall time and error on the same cube in the same process.
 //!
 //! The cube hangs by its top and is let go unstretched. Every peer has our particles, masses and pins; its stiffness is
-//! tuned until it hangs as low as ours does at rest. What is compared is
+//! tuned until it hangs as low as our cube does at rest. The report compares
 //!
-//! - the swing: root mean square distance of all particles from our converged reference in double precision, at equal
-//!   times after the cube is let go;
-//! - rest: the same of the particles that hang still, which tells of the body and not of the steps;
-//! - wall time of a simulated second of the swing, one thread each, in runs in turn; and time of the processor, by which
-//!   the two are compared, as on a busy machine a long run waits more often than a short one.
+//! - the swing: root mean square distance of all particles from our converged reference in double precision, at equal times
+//!   after the cube is let go;
+//! - rest: the same distance of the particles at rest, which depends on the body and not on the steps;
+//! - wall time per simulated second of the swing, one thread each, in runs in turn; and processor time, by which the two are
+//!   compared, as on a busy machine a long run waits more often than a short one.
 //!
-//! A peer with our links is the same system of equations: its error is that of its steps, and has to shrink with them. One
-//! with elastic cells of its own is another discrete body, even at the same sag: its error contains that.
+//! A peer with our links is the same system of equations: its error is that of its steps, and has to shrink with them. A
+//! peer with elastic cells of its own is another discrete body, even at the same sag, and its error includes that
+//! difference.
 //!
 //! [`pile`] compares soft bodies that meet.
 
@@ -54,23 +55,23 @@ pub struct Row {
     pub sag_m: f64,
     /// Whether it hangs as low as ours.
     pub same_sag: bool,
-    /// Distance from the reference while it swings; none where it diverged.
+    /// Distance from the reference during the swing; none where it diverged.
     pub swing_rms_m: Option<f64>,
-    /// The same where it hangs still.
+    /// Distance from the reference at rest.
     pub rest_rms_m: f64,
-    /// Wall time for a simulated second.
+    /// Wall time per simulated second.
     pub wall_secs_median: f64,
     pub wall_secs_min: f64,
     pub wall_secs_max: f64,
-    /// Time of the processor for the same: what other programs take is not in it.
+    /// Processor time per simulated second, without that of other programs.
     pub processor_secs_median: f64,
     pub processor_secs_min: f64,
     pub processor_secs_max: f64,
-    /// Whether nothing else measured that hangs as low is both as fast and as exact.
+    /// Whether no other row that hangs as low is both as fast and as exact.
     pub pareto: bool,
 }
 
-/// What was measured of one cube; the names are those of the JSON object. SI units.
+/// The measurements of one cube; the names are those of the JSON object. SI units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct PeersFigures {
@@ -78,19 +79,19 @@ pub struct PeersFigures {
     pub particles: usize,
     pub links: usize,
     pub simulated_secs: f64,
-    /// Of the reference at rest.
+    /// The sag of the reference at rest.
     pub sag_m: f64,
     pub reference_dt_secs: f64,
-    /// What the reference differs by from itself at twice the step.
+    /// Difference between the reference and the same at twice the step.
     pub reference_error_m: f64,
     pub peers: Vec<Matched>,
     pub rows: Vec<Row>,
-    /// What cannot be if both engines solve the equations of the same links.
+    /// Results that contradict both engines solving the equations of the same links.
     pub defects: Vec<String>,
 }
 
-/// Measures a cube of so many divisions; by a swing of so many seconds, a multiple of
-/// [`LOOK_SECS`]; none where `watch` cancels. Run it on one thread.
+/// Measures a cube of `divisions` cells an edge by a swing of `seconds`, a multiple of [`LOOK_SECS`]; none where `watch`
+/// cancels. Run it on one thread.
 ///
 /// # Errors
 /// If the cube cannot be made.
@@ -99,13 +100,13 @@ pub fn measure(divisions: u32, seconds: f64, watch: &dyn Watch) -> Result<Option
     Ok(compare([&cube, &cube], seconds, watch))
 }
 
-/// Compares our cube with peers made from another one of the same particles.
+/// Compares our cube with peers made from another cube of the same particles.
 fn compare([ours, theirs]: [&Cube; 2], seconds: f64, watch: &dyn Watch) -> Option<PeersFigures> {
     let looks = whole(seconds / LOOK_SECS).max(1);
     let fine = fine_step(&ours.scene, &ours.lattices, REFERENCE_SECS);
     let both = [fine, 2.0 * fine].map(|dt| Way::Manual(REFERENCE).applied(&ours.scene, dt));
     let reference = Reference::of(both.each_ref(), &ours.lattices, looks, false, [0.05, 0.08], watch)?;
-    // Progress is told between runs: telling it takes time of the processor.
+    // Progress is reported between runs, as reporting it takes processor time.
     let quiet = &CancelOnly(watch);
     let at_rest = ours.rest(quiet)?;
     let sag_m = ours.sag(&at_rest);
@@ -120,7 +121,7 @@ fn compare([ours, theirs]: [&Cube; 2], seconds: f64, watch: &dyn Watch) -> Optio
         for &dt in steps {
             let still = match peers.iter().find(|matched| contender == Contender::Peer(matched.peer)) {
                 Some(matched) => rest(theirs, matched.peer, matched.tuning(), dt, quiet)?,
-                // Where ours rests depends on nothing that is chosen here.
+                // The rest position of our cube depends on nothing that is chosen here.
                 None => at_rest.clone(),
             };
             settings.push(Setting { contender, dt, still, measured: Measured::new() });
@@ -172,7 +173,7 @@ fn let_go(
     swing(cube, peer, tuning, dt, looks, Some(lost), watch)
 }
 
-/// A contender at a step, as far as it was measured.
+/// One contender at one step, with its measurements so far.
 struct Setting {
     contender: Contender,
     dt: f64,
@@ -203,7 +204,7 @@ impl Setting {
     }
 }
 
-/// Marks the rows that no other one of the same sag is better than in both, by the processor's time.
+/// Marks the Pareto front of the rows of the same sag, by processor time.
 fn mark_pareto(rows: &mut [Row]) {
     let error = |row: &Row| row.swing_rms_m.filter(|_| row.same_sag).unwrap_or(f64::INFINITY);
     let figures: Vec<_> = rows.iter().map(|row| (row.processor_secs_median, error(row))).collect();
@@ -212,8 +213,8 @@ fn mark_pareto(rows: &mut [Row]) {
     }
 }
 
-/// What cannot be if both engines solve the equations of the same links: another stiffness at the same sag, or an error
-/// that does not shrink with the step.
+/// Finds results that contradict both engines solving the equations of the same links: another stiffness at the same sag, or
+/// an error that does not shrink with the step.
 fn defects(peers: &[Matched], rows: &[Row]) -> Vec<String> {
     let mut found = Vec::new();
     if let Some(links) = peers.iter().find(|matched| matched.peer == Peer::Links) {

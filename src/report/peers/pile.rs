@@ -1,9 +1,9 @@
-//! Soft bodies that meet: a dozen jellies that fall into a bowl, ours and another engine's of the same particles, masses,
-//! links and outer faces.
+//! Soft bodies that meet: a dozen jellies fall into a bowl, ours and another engine's of the same particles, masses, links
+//! and outer faces.
 //!
-//! What is compared is the time of a simulated second, while they fall and once they lie, and how deep they are in each other
-//! then. Depth is measured on the particles alone, in the same way of both: a particle of one body inside the closed surface
-//! that another's outer faces are, and how far that surface is.
+//! The report compares the time per simulated second, while the bodies fall and once they lie, and how deep they are in each
+//! other then. Depth is measured on the particles alone, in the same way for both engines: a particle of one body that lies
+//! inside the closed surface made of another's outer faces is as deep as its distance from that surface.
 
 use glam::DVec3;
 use serde::Serialize;
@@ -19,14 +19,14 @@ use crate::report::error::follow::{Followed, Steps, follow_steps, mean_square, w
 use crate::report::error::{LOOK_SECS, Way};
 use crate::scene::resolve::ResolveError;
 
-/// How long they fall and then lie, s; and with `--quick`.
+/// How long the bodies fall and then lie, s; and with `--quick`.
 pub const SECONDS: [[f64; 2]; 2] = [[4.0, 2.0], [1.6, 0.4]];
 /// The steps that are measured, s.
 const OUR_STEPS_SECS: [f64; 2] = [0.004, 0.001];
 const THEIR_STEPS_SECS: [f64; 3] = [0.02, 0.008, 0.004];
-/// How far from its middle the bowl reaches, m.
+/// The radius of the bowl, m.
 const BOWL_M: f64 = 1.3;
-/// Two bodies whose points were within each other by more than this share of the edge of a cell passed into each other.
+/// Two bodies have passed into each other if a particle is deeper than this share of the edge of a cell.
 const DEEPEST_SHARE: f64 = 0.5;
 
 /// One contender at one step; the names are those of the table and the JSON object.
@@ -35,7 +35,7 @@ const DEEPEST_SHARE: f64 = 0.5;
 pub struct PileRow {
     pub contender: Contender,
     pub dt_secs: f64,
-    /// Time of the processor for a simulated second in which they fall, and one in which they lie.
+    /// Processor time per simulated second, while the bodies fall and while they lie.
     pub falling_secs: f64,
     pub lying_secs: f64,
     /// None where it diverged.
@@ -45,15 +45,15 @@ pub struct PileRow {
 /// How a pile lies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PileEnd {
-    /// The deepest that a particle of one body is inside another.
+    /// The deepest position of a particle of one body inside another.
     pub deepest_m: f64,
-    /// Root of the mean square of the particles.
+    /// Root mean square speed of the particles.
     pub speed_m_s: f64,
     /// Bodies whose middle is in the bowl.
     pub in_bowl: usize,
 }
 
-/// What was measured; the names are those of the JSON object. SI units.
+/// The measurements; the names are those of the JSON object. SI units.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct PileFigures {
@@ -69,7 +69,7 @@ pub struct PileFigures {
 }
 
 impl PileFigures {
-    /// What ours must not do: diverge, or let bodies pass into each other.
+    /// A defect of ours: divergence, or bodies that pass into each other.
     pub fn defect(&self) -> Option<String> {
         let mut ours = self.rows.iter().filter(|row| matches!(row.contender, Contender::Ours(_)));
         let limit = DEEPEST_SHARE * self.cell_m;
@@ -83,14 +83,14 @@ impl PileFigures {
     }
 }
 
-/// Lets the pile fall for some time and lie for some more, s, multiples of [`LOOK_SECS`]; none where `watch` cancels. Run it on
-/// one thread.
+/// Lets the pile fall for some time and then lie for some time, s, both multiples of [`LOOK_SECS`]; none where `watch`
+/// cancels. Run it on one thread.
 ///
 /// # Errors
 /// If the pile cannot be made.
 pub fn measure([falling_secs, lying_secs]: [f64; 2], watch: &dyn Watch) -> Result<Option<PileFigures>, ResolveError> {
     let pile = Pile::new()?;
-    // Progress is told between runs: telling it takes time of the processor.
+    // Progress is reported between runs, as reporting it takes processor time.
     let quiet = &CancelOnly(watch);
     let seconds = [falling_secs, lying_secs];
     let ours = OUR_STEPS_SECS.map(|dt| (Contender::Ours(Way::Automatic), dt));
@@ -131,7 +131,7 @@ impl Pile {
         Some(PileRow { contender, dt_secs, falling_secs, lying_secs, end })
     }
 
-    /// How it lies at the last of two looks; none where a number is none.
+    /// How the pile lies at the second of two looks; none where a position is not finite.
     fn end(&self, [before, last]: &[Vec<[f64; 3]>; 2]) -> Option<PileEnd> {
         let at: Vec<DVec3> = last.iter().copied().map(DVec3::from).collect();
         if !at.iter().all(|at| at.is_finite()) {
@@ -150,13 +150,13 @@ impl Pile {
     }
 }
 
-/// A run of which the first part is falling, the second lying; none where `watch` cancels.
+/// Runs the fall and then the rest; none where `watch` cancels.
 fn runs(steps: &mut impl Steps, dt_secs: f64, seconds: [f64; 2], watch: &dyn Watch) -> Option<[Followed; 2]> {
     let runs = seconds.map(|secs| follow_steps(steps, dt_secs, whole(secs / LOOK_SECS), None, watch));
     runs.iter().all(|run| !run.cancelled).then_some(runs)
 }
 
-/// The deepest that a particle of one body is inside another, m.
+/// The deepest position of a particle of one body inside another, m.
 fn deepest(bodies: &[BodyModel<f64>], at: &[DVec3]) -> f64 {
     let mut deepest = 0.0_f64;
     for (number, body) in bodies.iter().enumerate() {
@@ -166,7 +166,7 @@ fn deepest(bodies: &[BodyModel<f64>], at: &[DVec3]) -> f64 {
         let others = bodies.iter().enumerate().filter(|(other, _)| *other != number);
         for point in others.flat_map(|(_, other)| &at[other.particles.clone()]) {
             let is_near = point.cmpge(bounds.min).all() && point.cmple(bounds.max).all();
-            // The surface is over its own length, about the middle of its box.
+            // The surface is scaled by its own length and centred on its bounding box.
             let within = (*point - bounds.center()) / surface.own_length();
             if is_near && surface.holds(within) {
                 deepest = deepest.max(surface.nearest(within).distance * surface.own_length());

@@ -1,9 +1,9 @@
 //! The soft bodies of [`rapier3d`](https://rapier.rs), made from our cube: the same particles, masses and pins.
 //!
-//! Its edges are springs of a natural frequency f and a damping ratio ζ for the mass m that the two ends have against
-//! each other, so that a link of stiffness k (N/m) and damping c (N·s/m) is an edge of f = √(k/m)/2π and
-//! ζ = c/2√(k m). Its cells are tetrahedra, five in each of our cells, mirrored from one to the next so that their
-//! faces meet. Bodies that meet have the outer faces of our cells for a surface.
+//! Its edges are springs given by a natural frequency f and a damping ratio ζ for the effective mass m of the two ends, so
+//! that a link of stiffness k (N/m) and damping c (N·s/m) is an edge of f = √(k/m)/2π and ζ = c/2√(k m). Its cells are
+//! tetrahedra, five in each of our cells, mirrored from one cell to the next so that their faces meet. Bodies that meet use
+//! the outer faces of our cells as their surface.
 
 use rapier3d::dynamics::{
     SoftBodyBuilder, SoftBodyCellModel, SoftBodyHandle, SoftBodyMaterial, SoftBodySolver, SpringCoefficients,
@@ -22,9 +22,9 @@ use crate::report::error::follow::{Ended, Steps};
 use crate::scene::material::POISSON_RATIO;
 use crate::scene::{Obstacle, ObstacleShape};
 
-/// Substeps of each of its steps: what it takes by itself.
+/// Substeps of each of its steps: its default.
 pub const SUBSTEPS: usize = 4;
-/// Particles of a tetrahedron by their places in a cell, in cells of even and of odd places.
+/// The corners of the tetrahedra by their places in a cell, for even and for odd cells.
 const TETRAHEDRA: [[[usize; 4]; 5]; 2] = [
     [[0, 3, 5, 6], [1, 0, 3, 5], [2, 0, 3, 6], [4, 0, 5, 6], [7, 3, 5, 6]],
     [[1, 2, 4, 7], [0, 1, 2, 4], [3, 1, 2, 7], [5, 1, 4, 7], [6, 2, 4, 7]],
@@ -32,7 +32,7 @@ const TETRAHEDRA: [[[usize; 4]; 5]; 2] = [
 
 /// Rapier holds surfaces apart by this share of the edge of a cell: its contacts need some skin.
 pub(super) const SKIN_SHARE: f64 = 0.05;
-/// Half of what the ground is thick, m.
+/// Half the thickness of the ground, m.
 const GROUND_M: f64 = 0.5;
 
 /// A world with soft bodies: the cube and nothing else, or a pile in its bowl.
@@ -45,7 +45,7 @@ impl World {
     pub(super) fn new(cube: &Cube, peer: Peer, tuning: Tuning, dt_secs: f64) -> Self {
         let mut world = empty(cube.scene.settings.gravity, dt_secs);
         let body = &cube.body;
-        // Nothing is there to collide with.
+        // The cube has nothing to collide with.
         let builder = particles(body).linear_damping(single(tuning.drag)).no_surface_collider();
         let builder = match peer {
             Peer::Links => with_links(builder, body, tuning),
@@ -56,7 +56,8 @@ impl World {
         Self { world, bodies }
     }
 
-    /// The bodies of a pile with our links as edges, and what they fall into; none where that cannot be made.
+    /// The bodies of a pile, with our links as edges, and the obstacles they fall into; none where an obstacle cannot be
+    /// made.
     pub(super) fn of_pile(pile: &Pile, dt_secs: f64) -> Option<Self> {
         let mut world = empty(pile.scene.settings.gravity, dt_secs);
         for obstacle in &pile.scene.obstacles {
@@ -94,7 +95,7 @@ fn particles(body: &BodyModel<f64>) -> SoftBodyBuilder {
         .can_sleep(false)
 }
 
-/// Our obstacle as something that stands still; none of a shape that no pile needs.
+/// Our obstacle as a collider at rest; none for a shape that no pile needs.
 fn collider(obstacle: &Obstacle) -> Option<ColliderBuilder> {
     match &obstacle.shape {
         ObstacleShape::Plane(plane) => {
@@ -116,7 +117,7 @@ fn collider(obstacle: &Obstacle) -> Option<ColliderBuilder> {
 }
 
 impl Steps for World {
-    /// What it makes of numbers that are none is seen at the next look.
+    /// A position that is not finite is noticed at the next look.
     fn step(&mut self, _: &dyn Watch) -> Ended {
         self.world.step();
         Ended::Whole
@@ -128,7 +129,7 @@ impl Steps for World {
     }
 }
 
-/// Our links as edges, but for those that have no stiffness or join two held particles: they do nothing.
+/// Makes edges from our links, except from those without effect: links without stiffness, or between two held particles.
 fn with_links(builder: SoftBodyBuilder, body: &BodyModel<f64>, tuning: Tuning) -> SoftBodyBuilder {
     let inverse_mass = |end: u32| {
         let particle = end as usize;

@@ -1,4 +1,4 @@
-//! The comparison: the same links have to be the same body, and another body has to be found out.
+//! The comparison: the same links must give the same body, and another body must be found out.
 
 use super::contender::Tuning;
 use super::pile::PileFigures;

@@ -126,7 +126,7 @@ fn matched_words(matched: &Matched) -> String {
     }
 }
 
-/// The fastest of ours and of the other engine with an error below `wanted_m`.
+/// Names the fastest of ours and of the other engine with an error below `wanted_m`.
 pub fn advice(figures: &PeersFigures, wanted_m: f64) -> String {
     let good =
         || figures.rows.iter().filter(|row| row.same_sag && row.swing_rms_m.is_some_and(|error| error <= wanted_m));

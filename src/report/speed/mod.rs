@@ -1,5 +1,5 @@
-//! How fast a step is (R3): cubes that are free in space at every level of vector instructions and by several threads,
-//! beside the loop that everybody writes first, in turns in one process; and scenes beside real time.
+//! How fast a step is (R3): free cubes at every level of vector instructions and on several threads, beside the naive loop
+//! that everybody writes first, in turns in one process; and scenes beside real time.
 
 pub mod naive;
 mod roof;
@@ -31,14 +31,14 @@ const ROUNDS: usize = 9;
 /// The step, s.
 const DT: f32 = 1e-5;
 
-/// The step that real time is asked for with, s.
+/// The step for which real time is judged, s.
 const REAL_STEP_SECS: f64 = 1e-3;
 
-/// Operations of a damped link: 3 + 5 for its length, a root and a quotient, 3 + 6 for how fast it changes, 4 for the
+/// Operations of a damped link: 3 + 5 for its length, a root and a quotient, 3 + 6 for its rate of change, 4 for the
 /// strength, 3 for the force, 6 to add it at both ends.
 const FLOPS_A_LINK: f64 = 32.0;
 
-/// Cells along the edge of the box that a ring fills a tenth of.
+/// Cells along the edge of the box of which a ring fills a tenth.
 const RING_BOX: i32 = 63;
 
 /// How much is measured.
@@ -46,16 +46,16 @@ const RING_BOX: i32 = 63;
 pub struct Effort {
     /// Particles along an edge of the cubes.
     pub sizes: &'static [u32],
-    /// Links a timing, at least.
+    /// The least number of links in a timing.
     pub links: usize,
-    /// Scenes run as long as this, s of the wall clock.
+    /// How long scenes run, s of the wall clock.
     pub scene_secs: f64,
 }
 
 impl Effort {
-    /// As in the published figures.
+    /// The effort of the published figures.
     pub const FULL: Self = Self { sizes: &[10, 20, 40, 64, 100], links: 4_000_000, scene_secs: 6.0 };
-    /// In some seconds.
+    /// An effort of some seconds.
     pub const QUICK: Self = Self { sizes: &[10, 20], links: 200_000, scene_secs: 0.3 };
 }
 
@@ -71,10 +71,10 @@ pub struct SpeedRow {
     pub ns_per_link: f64,
     pub ns_per_particle: f64,
     pub ratio_to_naive: f64,
-    /// The ratio in the rounds but for the least and the most of them.
+    /// The range of the ratio over the rounds, without the least and the most.
     pub ratio_range: [f64; 2],
     pub fraction_of_peak: f64,
-    /// Of the state at the end; none of the naive loop, which has another one.
+    /// Hash of the state at the end; none of the naive loop, whose state is another.
     pub hash: Option<String>,
 }
 
@@ -83,17 +83,17 @@ pub struct SpeedRow {
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
 pub struct SpeedFigures {
     pub rows: Vec<SpeedRow>,
-    /// Of one thread at the widest level.
+    /// Peak of one thread at the widest level.
     pub peak_gflops_fma: f64,
-    /// The largest cube whose undivided steps of 1 ms take no longer than that, particles along an edge.
+    /// The largest cube for which an undivided step of 1 ms takes no more than 1 ms, as particles along an edge.
     pub largest_real_time_n: u32,
-    /// Time a link of a ring that fills a tenth of its box over that of a cube that fills it; none with `--quick`.
+    /// Time per link of a ring that fills a tenth of its box over that of a cube that fills it; none with `--quick`.
     pub ring_over_cube: Option<f64>,
     pub scenes: Vec<SceneSpeed>,
 }
 
 impl SpeedFigures {
-    /// What must not be: levels or threads whose bits differ.
+    /// A defect: levels or threads with different bits.
     pub fn defect(&self) -> Option<String> {
         let hash = |row: &&SpeedRow| row.hash.is_some();
         self.rows.iter().filter(hash).find_map(|row| {
@@ -106,7 +106,7 @@ impl SpeedFigures {
     }
 }
 
-/// Measures with up to so many threads; none where nobody waits any more.
+/// Measures with up to `threads` threads; none where `watch` cancels.
 ///
 /// # Errors
 /// If a shape cannot be made: a fault of this program.
@@ -143,7 +143,7 @@ struct Way {
     threads: usize,
 }
 
-/// Times of one thread's processor and of the wall clock, s.
+/// Processor time of one thread and wall time, s.
 #[derive(Clone, Copy, Debug)]
 struct Times {
     processor: f64,
@@ -157,7 +157,7 @@ impl Times {
         Self { processor: processor.elapsed().as_secs_f64(), wall: wall.elapsed().as_secs_f64() }
     }
 
-    /// What counts where so many threads are at work.
+    /// The time that counts for a number of threads.
     fn by(self, threads: usize) -> f64 {
         if threads == 1 { self.processor } else { self.wall }
     }
@@ -231,7 +231,7 @@ fn timed(simulation: &mut Simulation<f32>, way: Way, pool: Option<&ThreadPool>, 
     }
 }
 
-/// A link of a ring over a link of a full cube in a box of the same size, by one thread at the widest level.
+/// Time per link of a ring over that of a full cube in a box of the same size, by one thread at the widest level.
 fn ring_over_cube(least_links: usize) -> Result<f64, ResolveError> {
     let way = Way { level: SimdLevel::best(), threads: 1 };
     let mut bodies = Vec::new();
@@ -250,7 +250,7 @@ fn ring_over_cube(least_links: usize) -> Result<f64, ResolveError> {
     Ok(1.0 + Change::of(&ring, &cube).median)
 }
 
-/// GFLOP/s of one thread that does nothing but multiplications with additions: the most of some rounds.
+/// GFLOP/s of one thread that only multiplies and adds: the most of some rounds.
 fn peak_gflops(level: SimdLevel) -> f64 {
     const LOOPS: u64 = 2_000_000;
     let secs = (0..ROUNDS).map(|_| {
@@ -262,7 +262,8 @@ fn peak_gflops(level: SimdLevel) -> f64 {
     (roof::FLOPS_A_ROUND * LOOPS) as f64 / secs.fold(f64::INFINITY, f64::min) / 1e9
 }
 
-/// From the fastest rows, with the time a particle between two sizes taken from the smaller one.
+/// The largest cube in real time, from the fastest rows. A size between two measured ones has the time per particle of the
+/// smaller one.
 fn largest_real_time_n(rows: &[SpeedRow]) -> u32 {
     let fastest = |n: u32| {
         let sizes = rows.iter().filter(|row| row.kernel == "exact" && row.n <= n);
@@ -289,7 +290,7 @@ fn ring() -> Shape {
     Shape::Cells(CellsShape { list: all.filter(inside).collect(), size: 1.0 / f64::from(RING_BOX) })
 }
 
-/// A body alone in space that moves.
+/// A moving body alone in space.
 fn free(shape: Shape) -> Result<Simulation<f32>, ResolveError> {
     let body = Body { shape, velocity: [0.1, 0.0, 0.0], ..Body::default() };
     let mut scene = Scene { bodies: vec![body], ..Scene::default() };
@@ -351,7 +352,7 @@ mod tests {
 
     #[test]
     fn the_largest_cube_in_real_time_follows_from_the_time_a_particle() {
-        // 15 ns a particle: 66 666 particles in 1 ms.
+        // At 15 ns a particle, 66 666 particles fit into 1 ms.
         assert_eq!(largest_real_time_n(&[row(10, 1, "a"), row(20, 1, "a")]), 40);
     }
 }

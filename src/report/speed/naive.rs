@@ -1,11 +1,11 @@
-//! The loop that everybody writes first: particles and springs as structures in two lists, no more than springs, gravity
-//! and semi-implicit Euler.
+//! The naive loop that everybody writes first: particles and springs as structures in two lists, with springs, gravity and
+//! semi-implicit Euler only.
 
 use glam::Vec3;
 
 use crate::physics::Simulation;
 
-/// m/s².
+/// Gravity, m/s².
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 #[derive(Debug)]
@@ -24,7 +24,7 @@ struct Spring {
     rest_length: f32,
 }
 
-/// A body as the first program anybody writes has it.
+/// A body as a first program stores it.
 #[derive(Debug)]
 pub struct Naive {
     particles: Vec<Particle>,
@@ -52,7 +52,7 @@ impl Naive {
         Self { particles: body.start.iter().map(particle).collect(), springs: springs.collect() }
     }
 
-    /// A step of `dt` (s).
+    /// Takes a step of `dt` (s).
     pub fn step(&mut self, dt: f32) {
         let Self { particles, springs } = self;
         for particle in particles.iter_mut() {
@@ -75,7 +75,7 @@ impl Naive {
         }
     }
 
-    /// How high the middle of all particles is, m.
+    /// The height of the middle of all particles, m.
     pub fn height(&self) -> f64 {
         let sum: f64 = self.particles.iter().map(|particle| f64::from(particle.position.y)).sum();
         sum / self.particles.len() as f64

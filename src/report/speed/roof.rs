@@ -1,5 +1,5 @@
-//! What one thread of the machine could do at most at a level of vector instructions: multiplications with additions and
-//! nothing else.
+//! The most that one thread of the machine can do at a level of vector instructions, with multiplications and additions
+//! only.
 
 #![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 
@@ -10,14 +10,14 @@ use crate::physics::SimdLevel;
 /// Numbers in the widest vector.
 const LANES: usize = 16;
 
-/// Vectors that do not wait for each other: as many as the latency of a multiplication with addition asks for, two of
-/// which begin at a time, and fewer than there are registers.
+/// Vectors that do not wait for each other: enough to hide the latency of a multiplication with addition, two of which begin
+/// at a time, and fewer than there are registers.
 const CHAINS: usize = 12;
 
 /// Operations in a round.
 pub(super) const FLOPS_A_ROUND: u64 = (2 * LANES * CHAINS) as u64;
 
-/// So many rounds in single precision, fused where the level has that; what comes of them means nothing.
+/// Does `rounds` rounds in single precision, fused where the level can. The result has no meaning.
 pub(super) fn multiply_adds(level: SimdLevel, rounds: u64) -> f32 {
     let fuses = level != SimdLevel::Portable;
     level.run(
@@ -45,7 +45,7 @@ mod tests {
     #[test]
     fn every_level_does_all_of_the_rounds() {
         for level in SimdLevel::ALL {
-            // One is where a round leads to one again.
+            // The value one is mapped to one.
             let sum = multiply_adds(level, 3);
             assert!((sum - (LANES * CHAINS) as f32).abs() < 1e-3, "{}: {sum}", level.name());
         }

@@ -1,4 +1,4 @@
-//! Scenes beside real time: from their start, as somebody sees them who opens them, and bodies that meet from when they do.
+//! Scenes beside real time: from their start, as a person sees them who opens them; bodies that meet, from when they meet.
 
 use std::path::Path;
 use std::time::Instant;
@@ -12,10 +12,10 @@ use crate::report::timer::WallTimer;
 use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::{Scene, presets};
 
-/// Simulated time at most, s: whoever is at rest after it costs nothing.
+/// The most simulated time, s: bodies at rest after that cost nothing.
 const LONGEST_SECS: f64 = 1.5;
 
-/// The scene of bodies that meet, and how long it is run before it is measured, s: until they lie on each other.
+/// The scene of bodies that meet, and how long it runs before it is measured, s: until they lie on each other.
 const MEETING: &str = "pile";
 const BEFORE_MEETING_SECS: f64 = 1.5;
 
@@ -28,26 +28,26 @@ pub struct SceneSpeed {
     pub threads: usize,
     pub simulated_secs: f64,
     pub real_time_factor: f64,
-    /// Contact between bodies, where there are several of them.
+    /// Contact between bodies, in scenes of several.
     pub meeting: Option<MeetingSpeed>,
 }
 
-/// What contact between bodies comes to.
+/// The amount and cost of contact between bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
 pub struct MeetingSpeed {
     pub bodies: usize,
-    /// Contacts between them in a substep, in the mean.
+    /// Mean number of contacts between bodies in a substep.
     pub contacts: f64,
-    /// Such contacts solved for in a second of the wall clock.
+    /// Contacts between bodies solved per second of the wall clock.
     pub contacts_per_sec: f64,
-    /// Points that were looked for in the cells of another body, or of their own, in a second of the wall clock.
+    /// Points searched for in the cells of another body, or of their own, per second of the wall clock.
     pub points_per_sec: f64,
-    /// Of the time of a step.
+    /// Share of the time of a step.
     pub share: f64,
 }
 
-/// Runs scenes for some time of the wall clock each, by one thread and by as many as they are worth.
+/// Runs each scene for some time of the wall clock, on one thread and on as many as are worthwhile.
 pub(super) fn measure(
     wall_secs: f64,
     threads: usize,
@@ -99,7 +99,7 @@ fn speed(
     SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor: simulated_secs / wall, meeting }
 }
 
-/// What contact between so many bodies came to in some time of the wall clock, s.
+/// Contact between a number of bodies over some time of the wall clock, s.
 fn meeting(bodies: usize, report: &StepReport, timer: &WallTimer, wall: f64) -> Option<MeetingSpeed> {
     let [contacts, points, substeps] =
         [report.counters.body_contacts, report.counters.points_looked_for, report.counters.substeps]

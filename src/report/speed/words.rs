@@ -59,7 +59,7 @@ fn write_page(text: &mut String, figures: &SpeedFigures) -> std::fmt::Result {
     )?;
     for speed in &figures.scenes {
         let SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor, .. } = speed;
-        // Three digits of what may be hundreds or hundredths.
+        // This shows three digits of a value that may be hundreds or hundredths.
         let digits = if *real_time_factor < 1.0 { 3 } else { usize::from(*real_time_factor < 10.0) };
         writeln!(text, "| {scene} | {particles} | {threads} | {simulated_secs:.2} | {real_time_factor:.digits$} |")?;
     }

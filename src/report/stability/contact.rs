@@ -1,6 +1,6 @@
-//! Contact and friction put to the test: what a bounce gains, how far a body creeps down a slope that holds it, at which
-//! slope it begins to slide, how deep anything fast gets, how long it takes to come to rest. The thesis's own rule is
-//! measured beside ours, to compare with; it is not judged.
+//! Contact and friction put to the test: the energy gained in a bounce, how far a body creeps down a slope that holds it, at
+//! which slope it begins to slide, how deep fast bodies penetrate, how long they take to come to rest. The thesis's own rule
+//! is measured beside ours for comparison; it is not judged.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,15 +17,15 @@ use crate::scene::settings::{ContactRule, EARTH_GRAVITY, Stepping};
 use crate::scene::{Obstacle, ObstacleShape, Scene, Shape};
 
 const DT_SECS: f64 = 1e-3;
-/// What rubs where the threshold of sliding is looked for.
+/// The friction coefficient for the threshold of sliding.
 const FRICTION: f64 = 0.5;
 /// Simulated time on a slope, s; and with `quick`.
 const SLOPE_SECS: [f64; 2] = [60.0, 10.0];
-/// A body has settled on a slope after so long, s.
+/// A body has settled on a slope after this time, s.
 const SETTLED_SECS: f64 = 5.0;
 /// The longest wait for a body to come to rest, s; and with `quick`.
 const REST_SECS: [f64; 2] = [20.0, 8.0];
-/// Slower than this is at rest: root mean square of the particles, m/s.
+/// A body slower than this is at rest: root mean square of the particles, m/s.
 const REST_SPEED: f64 = 1e-3;
 /// Halvings of the slope at which sliding begins, from 0.8 to 1.2 of the coefficient.
 const HALVINGS: usize = 7;
@@ -38,14 +38,14 @@ pub struct ContactFigures {
     /// `implicit`, `thesis`, or `thesis without the pressing force`.
     pub rule: String,
     pub unit: String,
-    /// None where it never happened or blew up.
+    /// None where the event never happened, or the simulation blew up.
     pub value: Option<f64>,
-    /// From where to where it must lie; none where it is only shown.
+    /// The range in which the value must lie; none where it is not judged.
     pub wanted: Option<[f64; 2]>,
     pub passed: bool,
 }
 
-/// How bodies are pushed back.
+/// The rule by which contact pushes bodies back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Rule {
     Implicit,
@@ -71,25 +71,25 @@ impl Rule {
     }
 }
 
-/// What is measured.
+/// A quantity to measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Case {
-    /// Energy after a drop over that before it; the contact's stiffness as a share of mass/dt².
+    /// Energy after a drop over the energy before; the contact's stiffness is given as a share of mass/dt².
     Drop(f64),
-    /// Way down a slope that holds, body lengths.
+    /// Distance crept down a slope that holds the body, body lengths.
     Drift,
-    /// The same in single precision.
+    /// As `Drift`, in single precision.
     DriftSingle,
     /// The slope at which sliding begins over the coefficient of friction.
     Threshold,
-    /// How deep a body gets that is thrown at a plane at this speed (m/s), m.
+    /// The penetration depth of a body thrown at a plane at this speed (m/s), m.
     Depth(f64),
     /// Time until a body that is dropped lies still, s.
     Rest,
 }
 
 impl Case {
-    /// All of them, each with its rules.
+    /// All cases, each with its rules.
     fn all() -> Vec<(Self, Rule)> {
         use Rule::{Implicit, Thesis, ThesisSpring};
         let mut cases = Vec::new();
@@ -130,7 +130,7 @@ impl Case {
         }
     }
 
-    /// From where to where the value must lie. A particle may rest 2 % of the body's size deep.
+    /// The range in which the value must lie. A particle may rest 2 % of the body's size deep.
     fn wanted(self, quick: bool) -> [f64; 2] {
         match self {
             Self::Drop(_) => [0.0, 1.0],
@@ -158,7 +158,7 @@ pub fn count() -> usize {
     Case::all().len()
 }
 
-/// Makes one of them; none where there is none of this number.
+/// Makes measurement `number`; none where there is no such number.
 ///
 /// # Errors
 /// If a shape cannot be made, which no cube should cause.
@@ -175,7 +175,7 @@ fn measured(case: Case, rule: Rule, is_judged: bool, quick: bool) -> Result<Cont
     Ok(ContactFigures { case, rule, unit, value: Some(value).filter(|value| value.is_finite()), wanted, passed })
 }
 
-/// A cube of a metre, four cells an edge, with its middle somewhere, and a plane through the origin tilted about z.
+/// A cube of a metre, four cells an edge, with its middle at `middle`, and a plane through the origin tilted about z.
 fn cube_and_plane(middle: [f64; 3], damping: f64, tilt_deg: f64, friction: [f64; 2]) -> Scene {
     let spring = Spring { stiffness: 60.0, damping };
     let springs = Springs { structural: spring, shear: spring, bending: spring, particle_mass: PARTICLE_KG };
@@ -196,7 +196,7 @@ fn cube_and_plane(middle: [f64; 3], damping: f64, tilt_deg: f64, friction: [f64;
     scene
 }
 
-/// Runs for some time; whether it stayed whole.
+/// Runs for some time. Returns whether the simulation did not diverge.
 fn run<R: Real>(simulation: &mut Simulation<R>, seconds: f64) -> bool {
     (0..steps(seconds)).all(|_| !simulation.step().diverged)
 }
@@ -206,12 +206,12 @@ fn steps(seconds: f64) -> usize {
     libm::round(seconds / DT_SECS) as usize
 }
 
-/// Energy when a cube has left the ground again, or after three seconds, over that before it fell a metre. Nothing rubs
-/// and no link is damped.
+/// The energy of a cube once it has left the ground again, or after three seconds, over the energy before it fell a metre.
+/// There is no friction and no damping.
 fn drop_ratio(rule: Rule, share: f64) -> Result<f64, ResolveError> {
     const HEIGHT: f64 = 1.0;
     let mut scene = cube_and_plane([0.0, 0.5 + HEIGHT, 0.0], 0.0, 0.0, [0.0; 2]);
-    // As the thesis steps: no contact is too stiff for a step that is divided.
+    // The thesis steps in this way. Divided steps would make no contact too stiff.
     scene.settings.stepping = Stepping::Manual;
     scene.obstacles[0].stiffness = ContactStiffness::Given(share * PARTICLE_KG / (DT_SECS * DT_SECS));
     let mut simulation = rule.simulate::<f64>(scene)?;
@@ -225,7 +225,7 @@ fn drop_ratio(rule: Rule, share: f64) -> Result<f64, ResolveError> {
         }
         has_touched |= report.last.contacts > 0;
         away = if has_touched && report.last.contacts == 0 { away + 1 } else { 0 };
-        // One particle that lifts for a moment is no body in the air.
+        // A single particle that lifts for a moment does not mean that the body is in the air.
         if away == 20 {
             break;
         }
@@ -233,7 +233,7 @@ fn drop_ratio(rule: Rule, share: f64) -> Result<f64, ResolveError> {
     Ok((simulation.diagnostics().energy.total() - start.energy.total() + before) / before)
 }
 
-/// A cube that touches a slope, and the way down.
+/// A cube that touches a slope, and the direction down the slope.
 fn on_slope(slope: f64, friction: [f64; 2]) -> (Scene, glam::DVec3) {
     let angle = libm::atan(slope);
     let up = from_euler_deg([0.0, 0.0, angle.to_degrees()]).y_axis;
@@ -241,7 +241,7 @@ fn on_slope(slope: f64, friction: [f64; 2]) -> (Scene, glam::DVec3) {
     (scene, glam::DVec3::new(-libm::cos(angle), -libm::sin(angle), 0.0))
 }
 
-/// How far a cube moves down a slope that holds it, from when it has settled, body lengths.
+/// How far a cube moves down a slope that holds it, after it has settled, body lengths.
 fn drift<R: Real>(rule: Rule, quick: bool) -> Result<f64, ResolveError> {
     let (scene, down) = on_slope(libm::tan(20_f64.to_radians()), [0.6, 0.5]);
     let mut simulation = rule.simulate::<R>(scene)?;
@@ -279,7 +279,7 @@ fn threshold(rule: Rule) -> Result<f64, ResolveError> {
     Ok(holds)
 }
 
-/// How far behind a plane any particle is, at the end of any step, of a cube that is thrown at it, m.
+/// The largest depth of any particle behind a plane, at the end of any step, of a cube thrown at the plane, m.
 fn deepest(rule: Rule, speed: f64) -> Result<f64, ResolveError> {
     let mut scene = cube_and_plane([0.0, 2.0, 0.0], 0.0, 0.0, [0.5, 0.4]);
     scene.settings.gravity = [0.0; 3];
@@ -296,7 +296,7 @@ fn deepest(rule: Rule, speed: f64) -> Result<f64, ResolveError> {
     Ok(deepest)
 }
 
-/// When a cube that falls 20 cm lies still for good, s; infinite where it does not within `seconds`.
+/// The time from which a cube that falls 20 cm stays at rest, s; infinite where it does not within `seconds`.
 fn rest(rule: Rule, seconds: f64) -> Result<f64, ResolveError> {
     let scene = cube_and_plane([0.0, 0.7, 0.0], 0.6, 0.0, [0.0; 2]);
     let mut simulation = rule.simulate::<f64>(scene)?;

@@ -11,25 +11,25 @@ use crate::scene::material::{Material, Spring, Springs};
 use crate::scene::resolve::ResolveError;
 use crate::scene::{Scene, presets};
 
-/// How long scenes are watched, s. By then a cube that broke lies still.
+/// How long scenes are watched, s. By then a broken cube lies still.
 const WATCH_SECS: f64 = 3.0;
-/// A failure is understood where so many changes cure it.
+/// A failure counts as understood if this many changes cure it.
 const CURES: usize = 3;
-/// By how much values are changed, until it helps.
+/// The factors by which values are changed, tried until one helps.
 const FACTORS: [f64; 4] = [2.0, 4.0, 8.0, 16.0];
 
-/// One of the two.
+/// One of the two failures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
 pub struct FailureFigures {
     pub preset: String,
     pub source: String,
-    /// Whether it happened again.
+    /// Whether the failure happened again.
     pub happened: bool,
     pub what: String,
     pub why: String,
     pub cures: Vec<CureFigures>,
-    /// It happened again and three changes cure it.
+    /// Whether it happened again and three changes cure it.
     pub passed: bool,
 }
 
@@ -41,10 +41,10 @@ pub struct CureFigures {
     pub holds: bool,
 }
 
-/// The presets that show them.
+/// The presets that show the failures.
 pub const PRESETS: [&str; 2] = ["exploding", "broken"];
 
-/// Reproduces, explains and cures one of them.
+/// Reproduces, explains and cures one failure.
 ///
 /// # Errors
 /// If a shape cannot be made, which no cube should cause.
@@ -53,7 +53,7 @@ pub fn failure(preset: &str) -> Result<FailureFigures, ResolveError> {
     if preset == PRESETS[0] { exploding(&scene) } else { broken(&scene) }
 }
 
-/// What became of a scene.
+/// The outcome of a scene.
 struct Outcome {
     /// When it blew up, s.
     exploded_at_secs: Option<f64>,
@@ -72,7 +72,7 @@ fn outcome(scene: &Scene, lattices: &[Arc<Lattice>]) -> Outcome {
     Outcome { exploded_at_secs, inverted_cells: now.inverted_cells, speed: now.max_speed }
 }
 
-/// GC Fig 23: a step beyond the limit.
+/// Explains GC Fig 23: a step beyond the limit.
 fn exploding(scene: &Scene) -> Result<FailureFigures, ResolveError> {
     let lattices = lattices(scene)?;
     let limits = Simulation::<f64>::new(scene, &lattices).plan().limits.clone();
@@ -105,14 +105,14 @@ fn exploding(scene: &Scene) -> Result<FailureFigures, ResolveError> {
     Ok(judged(PRESETS[0], "GC Fig 23", found.exploded_at_secs.is_some(), what, why, cures))
 }
 
-/// What the fastest vibration is multiplied by in a step of so many times the largest stable one: the root of
-/// z² − (2 − λ) z + 1 = 0 with λ = 4 over².
+/// The factor by which the fastest vibration grows in a step of `over` times the largest stable one: the root of z² − (2 −
+/// λ) z + 1 = 0 with λ = 4 over².
 fn growth(over: f64) -> f64 {
     let half = (2.0 * over * over - 1.0).max(1.0);
     half + (half * half - 1.0).sqrt()
 }
 
-/// GC Fig 24: cells that stay inside out.
+/// Explains GC Fig 24: cells that stay inside out.
 fn broken(scene: &Scene) -> Result<FailureFigures, ResolveError> {
     let lattices = lattices(scene)?;
     let cells: usize = lattices.iter().map(|lattice| lattice.cells.len()).sum();

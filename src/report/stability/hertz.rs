@@ -1,5 +1,5 @@
-//! Contact of a round body against Hertz's theory: how hard a ball has to be pressed on a hard plane, or on its like, to be
-//! indented so far, and how large the patch becomes that it is pressed on, over ever more cells.
+//! Contact of a round body against Hertz's theory: the force that presses a ball on a hard plane, or on a like ball, to a
+//! given indentation, and the size of the patch of contact, over ever more cells.
 //!
 //! ```text
 //!    ▔▔▔▔▔▔▔▔▔  plate, comes down by δ              ▔▔▔▔▔▔▔▔▔  by 2 δ
@@ -10,19 +10,22 @@
 //!                                                   ▁▁▁▁▁▁▁▁▁
 //! ```
 //!
-//! The indentation is measured as the approach of the middle and the plane: Hertz's own, that of points far from the patch.
-//! Plates press, with no weight and no pins: a pinned middle would stiffen the ball around it, and a weight is not a force at
-//! the patch. The plates come slowly, then stand until nothing moves.
+//! The indentation is measured as the approach of the middle and the plane. Hertz's own is the approach of points far from
+//! the patch. Plates press, with no weight and no pins: a pinned middle would stiffen the ball around it, and a weight does
+//! not act at the patch. The plates come slowly, then stand until nothing moves.
 //!
-//! By Hertz a ball of radius R meets a hard plane with `F = 4/3 E* √R δ^(3/2)` and the pressure `p₀ √(1 − r²/a²)` on a patch
-//! of radius `a = √(R δ)`, where `E* = E/(1 − ν²)`. The second moment of that pressure is `2/5 a²`, by which the patch is
-//! measured: a number of particles would go up in steps. Balls alike meet as if a hard plane were between them: with half the
-//! modulus, half the radius and twice the approach the formulas give the same force and patch.
+//! By Hertz a ball of radius R meets a hard plane with the force `F = 4/3 E* √R δ^(3/2)` and the pressure `p₀ √(1 − r²/a²)`
+//! on a patch of radius `a = √(R δ)`, where `E* = E/(1 − ν²)`. The second moment of that pressure is `2/5 a²`. The patch is
+//! measured by this moment, as a number of particles would grow in steps. Two like balls meet as if a hard plane were
+//! between them: with half the modulus, half the radius and twice the approach the formulas give the same force and patch.
 //!
-//! Nothing rubs in Hertz's theory. Two balls on each other between plates that do not rub buckle aside, so these do; between the
-//! balls that changes nothing, as both spread alike.
+//! Hertz's theory has no friction. Two balls on each other between plates without friction buckle aside, so these plates
+//! have it. Friction between the balls changes nothing, as both spread alike.
 //!
-//! A ball of cells has a flat of radius `√(R h)` at its pole, h the edge of a cell, with steps around it. Until it is pressed
+//! A ball of cells has a flat of radius `√(R h)` at its pole, h the edge of a cell, with steps around it. Until it is
+//! pressed in by about h only the flat touches, and meets the plane like a punch, with `3/2 √(h/δ)` times Hertz's force. So
+//! at a fixed indentation the error shrinks with the cells, and at a fixed number of cells it grows as the indentation
+//! shrinks.
 //! in by about h only the flat touches, and it is met like a punch, too hard: by `3/2 √(h/δ)` times Hertz's force. So at one
 //! indentation the error shrinks with the cells, and with one number of cells it grows the less a ball is indented.
 
@@ -39,30 +42,30 @@ use crate::scene::{Body, Material, Obstacle, ObstacleShape, Scene, Shape, Solid}
 
 /// The radius of the balls, m.
 const RADIUS: f64 = 0.5;
-/// Soft for their mass, so that the springs of contact, whose stiffness goes by mass, give way by no more than a fiftieth of
-/// a cell.
+/// Soft for its mass: the stiffness of contact springs follows from the mass, and they should give way by no more than a
+/// fiftieth of a cell.
 const SOLID: Solid = Solid { young_modulus: 1e3, density: 1000.0, damping_ratio: 0.5, ..Solid::DEFAULT };
-/// How far a ball is pressed into a plane, as a share of its radius, and that in metres: as far as each plate comes.
+/// How far a ball is pressed into a plane, as a share of its radius; and in metres, which is how far each plate comes.
 const INDENTATION: f64 = 0.1;
 const WAY: f64 = INDENTATION * RADIUS;
-/// Half of what the plates are thick, m.
+/// Half the thickness of the plates, m.
 const PLATE: f64 = 0.5;
-/// The plates come in this time, s: several times what a wave needs through a ball.
+/// The time in which the plates come, s: several times what a wave needs through a ball.
 const PRESS_SECS: f64 = 2.0;
-/// The step that is asked for, s.
+/// The step asked for, s.
 const STEP_SECS: f64 = 4e-3;
-/// No particle is faster where a ball is at rest, m/s: over a second that is a thousandth of the indentation.
+/// A ball is at rest if no particle is faster than this, m/s: a thousandth of the indentation in a second.
 const REST_SPEED: f64 = 5e-5;
-/// Two balls on each other roll aside in the end. Before, they are at rest where their approach changes by no larger a share in
-/// so many looks, which take a second.
+/// Two balls on each other roll aside in the end. They count as at rest before that if their approach changes by no more
+/// than this share over this many looks, which take a second.
 const REST_CHANGE: f64 = 1e-3;
 const REST_LOOKS: usize = 5;
-/// What keeps two balls on each other.
+/// Friction that keeps two balls on each other.
 const FRICTION: f64 = 0.6;
-/// How often it is looked whether anything moves, s, and for how long at most.
+/// Time between two looks at whether anything moves, s, and the longest wait.
 const LOOK_SECS: f64 = 0.2;
 const LONGEST_SECS: f64 = 30.0;
-/// The force and the patch may miss theory by so much where a ball is indented by the edge of a cell, half as much at twice that.
+/// The share by which force and patch may miss theory if the indentation is the edge of a cell; half as much at twice that.
 const MOST_ERROR: f64 = 1.0;
 
 /// What a ball is pressed on.
@@ -96,19 +99,19 @@ impl Against {
     }
 }
 
-/// Cells across the ball.
+/// Numbers of cells across the ball.
 fn divisions(quick: bool) -> &'static [u32] {
     if quick { &[10, 20] } else { &[10, 20, 40] }
 }
 
-/// The force (N) and the radius of the patch (m) by Hertz at an indentation (m).
+/// Hertz's force (N) and patch radius (m) at an indentation (m).
 fn theory(indentation_m: f64) -> [f64; 2] {
     let modulus = SOLID.young_modulus / (1.0 - POISSON_RATIO * POISSON_RATIO);
     let patch = (RADIUS * indentation_m).sqrt();
     [4.0 / 3.0 * modulus * patch * indentation_m, patch]
 }
 
-/// The balls between plates that are on their way, or have come.
+/// The balls between plates that are coming, or have come.
 fn scene(divisions: u32, against: Against, have_come: bool) -> Scene {
     let balls = f64::from(against.balls());
     let friction = if against == Against::Plane { 0.0 } else { FRICTION };
@@ -143,7 +146,7 @@ fn scene(divisions: u32, against: Against, have_come: bool) -> Scene {
     scene
 }
 
-/// The cells whose middle is in a ball of so many across.
+/// The cells whose middle lies in a ball of `divisions` cells across.
 fn ball(divisions: u32) -> Shape {
     let middle = 0.5 * f64::from(divisions);
     let along = i32::try_from(divisions).unwrap_or(i32::MAX);
@@ -161,16 +164,16 @@ pub struct HertzRow {
     pub divisions: u32,
     /// Of all balls.
     pub particles: usize,
-    /// How far the middle and the plane have come nearer, or half of how far the middles have.
+    /// The approach of the middle and the plane, or half the approach of the middles.
     pub indentation_m: f64,
     pub force_n: f64,
     pub force_over_theory: f64,
-    /// Of a patch whose pressure is Hertz's, by its second moment.
+    /// Radius of a patch with Hertz's pressure and the measured second moment.
     pub patch_radius_m: f64,
     pub patch_over_theory: f64,
-    /// Particles that push.
+    /// Contact points that push.
     pub points: usize,
-    /// The simulated time until nothing moved; none where something still did.
+    /// The simulated time until nothing moved; none where something still moved.
     pub rest_secs: Option<f64>,
 }
 
@@ -180,22 +183,22 @@ impl HertzRow {
         (self.force_over_theory - 1.0).abs().max((self.patch_over_theory - 1.0).abs())
     }
 
-    /// How many cells the ball was to be indented by.
+    /// The intended indentation, in cells.
     pub fn cells_deep(&self) -> f64 {
         0.5 * f64::from(self.divisions) * INDENTATION
     }
 }
 
-/// What was measured; the names are those of the JSON object.
+/// The measurements; the names are those of the JSON object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct HertzFigures {
     pub rows: Vec<HertzRow>,
-    /// Whether all came to rest and the errors shrink as the cells do.
+    /// Whether all balls came to rest and the errors shrink with the cells.
     pub passed: bool,
 }
 
-/// Presses balls of ever more cells; of fewer where it is to be quick.
+/// Presses balls of ever more cells; of fewer if `quick`.
 ///
 /// # Errors
 /// If a shape cannot be made, which no ball should cause.
@@ -206,7 +209,7 @@ pub fn measure(quick: bool) -> Result<HertzFigures, ResolveError> {
     Ok(HertzFigures { rows, passed })
 }
 
-/// Whether all rows are at rest and miss by less the finer they are, and by no more than their cells account for.
+/// Whether all rows came to rest, miss by less the finer they are, and by no more than their cells account for.
 fn converges(rows: &[HertzRow]) -> bool {
     let shrinks = rows.windows(2).all(|pair| pair[1].error() < pair[0].error());
     let good = |row: &HertzRow| row.rest_secs.is_some() && row.cells_deep() * row.error() <= MOST_ERROR;
@@ -219,7 +222,7 @@ fn pressed(divisions: u32, against: Against) -> Result<HertzRow, ResolveError> {
     let lattices = lattices(&coming)?;
     let mut simulation = Simulation::<f64>::new(&coming, &lattices);
     simulation.run_for(PRESS_SECS);
-    // They sweep to where they are.
+    // The plates sweep to their final places.
     simulation.set_parameters(&scene(divisions, against, true), &lattices, &[Some(0), Some(1)], Arrival::Swept);
     let (mut rest_secs, mut seen) = (None, Vec::new());
     while rest_secs.is_none() && simulation.state().time_secs < LONGEST_SECS {
@@ -260,7 +263,7 @@ fn row(divisions: u32, against: Against, simulation: &Simulation<f64>, rest_secs
     }
 }
 
-/// How far the middle and the plane have come nearer, or half of how far the middles have, m.
+/// The approach of the middle and the plane, or half the approach of the middles, m.
 fn indentation(simulation: &Simulation<f64>, against: Against) -> f64 {
     match against {
         Against::Plane => WAY - middle(simulation, 0),
@@ -268,14 +271,14 @@ fn indentation(simulation: &Simulation<f64>, against: Against) -> f64 {
     }
 }
 
-/// The largest difference of some values over the last.
+/// The spread of some values over the last.
 fn changes(seen: &[f64]) -> f64 {
     let least = seen.iter().copied().fold(f64::INFINITY, f64::min);
     let most = seen.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (most - least) / seen.last().copied().unwrap_or(f64::NAN)
 }
 
-/// How high the particle is now that was nearest to the middle of a ball at its start, m.
+/// The height of the particle that was nearest to the middle of a ball at the start, m.
 fn middle(simulation: &Simulation<f64>, ball: usize) -> f64 {
     let body = &simulation.model().bodies[ball];
     let start = &body.start;
@@ -285,13 +288,14 @@ fn middle(simulation: &Simulation<f64>, ball: usize) -> f64 {
     nearest.map_or(f64::NAN, |(now, _)| now.y)
 }
 
-/// The particles that push at the lower plate: the square of their distance from the axis, m², and the force, N.
+/// The particles that push the lower plate: the square of their distance from the axis, m², and the force, N.
 fn pushes_on_plate(simulation: &Simulation<f64>) -> Vec<(f64, f64)> {
     let on_plate = simulation.contacts().iter().filter(|contact| contact.obstacle == 0 && contact.force.y > 0.0);
     on_plate.map(|contact| (from_axis(simulation, contact.particle), contact.force.y)).collect()
 }
 
-/// The same of those that push at the other ball, of both.
+/// The contact points of both balls that push the other ball: the square of their distance from the axis, m², and the force,
+/// N.
 fn pushes_on_like(simulation: &Simulation<f64>) -> Vec<(f64, f64)> {
     let all =
         simulation.body_contacts().iter().map(|contact| (contact.own.place(simulation.state()), contact.force.y.abs()));

@@ -1,4 +1,4 @@
-//! The largest step that a scene's bodies take without blowing up, found by trying.
+//! Finds by trial the largest step that a scene's bodies take without blowing up.
 
 use std::sync::Arc;
 
@@ -11,25 +11,25 @@ use crate::physics::Simulation;
 use crate::scene::Scene;
 use crate::scene::settings::Stepping;
 
-/// A body that has not blown up after so many steps is stable; and with `quick`.
+/// A body that has not blown up after this many steps is stable; and with `quick`.
 const STEPS: [usize; 2] = [1500, 400];
 
-/// Link forces that are spent on a body's steps at most: large ones are watched for fewer.
+/// The most link forces spent on a body's steps: large bodies are watched for fewer steps.
 const MOST_LINK_FORCES: usize = 8_000_000;
 
 /// Steps between two looks at whether a body has blown up already.
 const BETWEEN_LOOKS: usize = 50;
 
-/// The limit is looked for from the predicted one on in strides of a third of an octave, so many down and up: between
+/// The limit is sought from the predicted one in strides of a third of an octave, at most this many down and up: between
 /// half of it and four times as much.
 const STRIDES_PER_OCTAVE: f64 = 3.0;
 const STRIDES: [i32; 2] = [3, 6];
 
-/// Halvings of the stride in which a border lies: for the largest step to 0.4 %.
+/// Halvings of the stride that holds a border: give the largest step to 0.4 %.
 pub(super) const HALVINGS: usize = 6;
 
-/// The largest step with which the scene's shaken bodies stay together when nothing else happens to them, s; `None`
-/// where no step of those that are looked at does, or all of them do.
+/// The largest step with which the scene's shaken bodies stay together when nothing else happens to them, s; `None` if none
+/// of the steps tried does, or all of them do.
 pub(super) fn measured_limit(scene: &Scene, lattices: &[Arc<Lattice>], predicted: f64, quick: bool) -> Option<f64> {
     let mut alone = alone(scene);
     let steps = STEPS[usize::from(quick)];
@@ -54,8 +54,7 @@ pub fn alone(scene: &Scene) -> Scene {
     alone
 }
 
-/// The greatest good value below the first bad one, looked for from `start` on in strides; `None` where all are good or
-/// none is.
+/// The largest good value below the first bad one, sought in strides from `start`; `None` if all are good or none is.
 fn edge(start: f64, mut is_good: impl FnMut(f64) -> bool) -> Option<f64> {
     let at = |stride: i32| start * libm::exp2(f64::from(stride) / STRIDES_PER_OCTAVE);
     let [down, up] = STRIDES;
@@ -69,7 +68,7 @@ fn edge(start: f64, mut is_good: impl FnMut(f64) -> bool) -> Option<f64> {
     Some(halved(ends, is_good)[0])
 }
 
-/// Halves the way between a good value and a bad one: the last of both.
+/// Narrows the range between a good value and a bad one by halving, and returns its ends.
 pub(super) fn halved([mut good, mut bad]: [f64; 2], mut is_good: impl FnMut(f64) -> bool) -> [f64; 2] {
     for _ in 0..HALVINGS {
         let middle = (good * bad).sqrt();
@@ -89,7 +88,7 @@ fn survives(simulation: &mut Simulation<f64>, steps: usize) -> bool {
     steps_survived(simulation, steps, &()) == steps
 }
 
-/// How many steps shaken bodies stay together for, of so many. Meaningless where `watch` cancels.
+/// The number of steps, at most `steps`, for which shaken bodies stay together. Meaningless where `watch` cancels.
 pub(super) fn steps_survived(simulation: &mut Simulation<f64>, steps: usize, watch: &dyn Watch) -> usize {
     let mut state = simulation.state().clone();
     let mut rng = Rng::new(3);
@@ -100,7 +99,7 @@ pub(super) fn steps_survived(simulation: &mut Simulation<f64>, steps: usize, wat
         }
     }
     simulation.set_state(state);
-    // What has blown up need not be watched until its numbers overflow.
+    // A look now and then finds a blow-up before its numbers overflow.
     let blows_up = |step: &usize| {
         watch.progress((*step - 1) as f64 / steps as f64);
         let look = step.is_multiple_of(BETWEEN_LOOKS) || *step == steps;
@@ -109,7 +108,7 @@ pub(super) fn steps_survived(simulation: &mut Simulation<f64>, steps: usize, wat
     (1..=steps).find(blows_up).map_or(steps, |step| step - 1)
 }
 
-/// Whether no body is half as large again as it was.
+/// Whether no body has grown by half.
 fn all_together(simulation: &Simulation<f64>) -> bool {
     (0..simulation.model().bodies.len()).all(|number| {
         let body = &simulation.model().bodies[number];

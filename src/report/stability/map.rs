@@ -1,5 +1,5 @@
-//! Where a step stays stable in the plane of stiffness and damping, each per unit mass: the border that is predicted, and
-//! what happens on both sides of it.
+//! Where a step is stable in the plane of stiffness and damping, each per unit mass: the predicted border, and what happens
+//! on both sides of it.
 //!
 //! ```text
 //! stiffness ▲  blows up in a few steps
@@ -9,7 +9,7 @@
 //!           └────────────┴─────► damping
 //! ```
 //!
-//! A step of another length has the same map with stiffness times its square and damping times itself, so one step is
+//! A step of another length gives the same map of stiffness times its square and damping times itself, so one step is
 //! enough.
 
 use std::sync::Arc;
@@ -36,7 +36,7 @@ const CELL_M: f64 = 0.2;
 /// The mass of a particle of the report's own cubes, kg.
 pub(super) const PARTICLE_KG: f64 = 0.008;
 
-/// From where to where the axes go, as powers of ten: stiffness per unit mass 1/s², damping per unit mass 1/s.
+/// The ranges of the axes, as powers of ten: stiffness per unit mass 1/s², damping per unit mass 1/s.
 const STIFFNESS: [f64; 2] = [3.0, 6.0];
 const DAMPING: [f64; 2] = [0.0, 3.0];
 /// Values along each axis; and with `quick`.
@@ -44,7 +44,7 @@ const VALUES: [usize; 2] = [25, 9];
 /// Steps that are watched; and with `quick`.
 const STEPS: [usize; 2] = [1500, 300];
 
-/// Places of the predicted border between the columns where it falls off the map.
+/// Points of the predicted border between the columns where it falls off the map.
 const FALL_POINTS: u32 = 6;
 
 /// The map of one scheme. SI units; both axes per unit mass of a particle, of the stiffness and damping of all links.
@@ -53,14 +53,14 @@ const FALL_POINTS: u32 = 6;
 pub struct MapFigures {
     pub integrator: Integrator,
     pub dt_secs: f64,
-    /// Steps that each was watched for.
+    /// Steps for which each material was watched.
     pub watched: usize,
     pub stiffness: Vec<f64>,
     pub columns: Vec<Column>,
-    /// Damping and stiffness of the predicted border where it falls off the map, the damping rising; the last is at the
-    /// least stiffness. Empty where it does not.
+    /// Damping and stiffness along the predicted border where it falls off the map, with rising damping; the last point is
+    /// at the least stiffness. Empty where the border does not fall off.
     pub predicted_fall: Vec<[f64; 2]>,
-    /// The largest damping that is stable at the least stiffness; none where all or none of the map are.
+    /// The largest stable damping at the least stiffness; none where all dampings of the map are stable or none is.
     pub measured_fall: Option<f64>,
     pub passed: bool,
 }
@@ -70,13 +70,14 @@ pub struct MapFigures {
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
 pub struct Column {
     pub damping: f64,
-    /// Steps until the blow-up, for every stiffness of the map; all that were watched where there was none.
+    /// Steps until the blow-up, for every stiffness of the map; the number watched where there was none.
     pub survived: Vec<usize>,
-    /// The largest stiffness that is predicted to be stable; none where none of the map is.
+    /// The largest stiffness predicted to be stable; none where none of the map is.
     pub predicted: Option<f64>,
-    /// The largest stiffness below the first one that blows up, and that one; none where all or none of the map do.
+    /// The largest stiffness below the first one that blows up, and that one; none where all stiffnesses of the map blow up
+    /// or none does.
     pub measured: Option<[f64; 2]>,
-    /// Nothing that is predicted to be stable blows up.
+    /// Whether nothing that is predicted to be stable blows up.
     pub passed: bool,
 }
 
@@ -104,40 +105,40 @@ fn measured(integrator: Integrator, quick: bool, wrong: f64) -> Result<MapFigure
     Ok(MapFigures { integrator, dt_secs: DT_SECS, watched, stiffness, columns, predicted_fall, measured_fall, passed })
 }
 
-/// The dampings of the last column of which something holds and of the next one.
+/// The dampings of the last column for which `holds` is true and of the next one.
 fn between(columns: &[Column], holds: impl Fn(&Column) -> bool) -> Option<[f64; 2]> {
     let pair = columns.windows(2).find(|pair| holds(&pair[0]) && !holds(&pair[1]))?;
     Some([pair[0].damping, pair[1].damping])
 }
 
-/// So many values from one power of ten to another, evenly by their logarithm.
+/// `count` values from one power of ten to another, evenly spaced in the logarithm.
 pub fn values([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count).map(|at| libm::pow(10.0, from + (to - from) * at as f64 / (count - 1) as f64)).collect()
 }
 
-/// Bodies that are tried with other damping and stiffness.
+/// Bodies that are tried with different damping and stiffness.
 pub(crate) struct Tried<'a> {
     /// The bodies with nothing around them, and the step.
     pub(crate) scene: &'a Scene,
     /// Their lattices.
     pub(crate) lattices: &'a [Arc<Lattice>],
-    /// The material of the first one at a damping and a stiffness, both per unit mass.
+    /// The material of the first body at a damping and a stiffness, both per unit mass.
     pub(crate) material: &'a (dyn Fn(f64, f64) -> Material + Sync),
-    /// Steps that each is watched for.
+    /// Steps for which each material is watched.
     pub(crate) steps: usize,
 }
 
-/// What becomes of bodies over a row of stiffnesses.
+/// The outcome of trying a row of stiffnesses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Survival {
-    /// Steps until the blow-up; all that were watched where there was none.
+    /// Steps until the blow-up; the number watched where there was none.
     pub survived: Vec<usize>,
-    /// The largest stiffness below the first one that blows up, and that one; none where all or none do.
+    /// The largest stiffness below the first one that blows up, and that one; none where all blow up or none does.
     pub border: Option<[f64; 2]>,
 }
 
 impl Tried<'_> {
-    /// Tries stiffnesses that rise. None where `watch` cancels.
+    /// Tries rising stiffnesses. None where `watch` cancels.
     pub(crate) fn survival(&self, damping: f64, stiffness: &[f64], watch: &dyn Watch) -> Option<Survival> {
         let runs = (stiffness.len() + HALVINGS) as f64;
         let portion = |run: usize| Portion::new(watch, [run as f64 / runs, (run + 1) as f64 / runs]);
@@ -155,12 +156,12 @@ impl Tried<'_> {
         (!watch.cancelled()).then_some(Survival { survived, border })
     }
 
-    /// Between which stiffnesses the border is at some damping, a good one and a bad one.
+    /// Narrows the border at some damping to a good and a bad stiffness.
     pub(crate) fn stiffness_border(&self, damping: f64, ends: [f64; 2], watch: &dyn Watch) -> [f64; 2] {
         halved(ends, |stiffness| self.survived(stiffness, damping, watch) == self.steps)
     }
 
-    /// Between which dampings the border is at some stiffness, a good one and a bad one.
+    /// Narrows the border at some stiffness to a good and a bad damping.
     pub(crate) fn damping_border(&self, ends: [f64; 2], stiffness: f64, watch: &dyn Watch) -> [f64; 2] {
         halved(ends, |damping| self.survived(stiffness, damping, watch) == self.steps)
     }
@@ -184,7 +185,7 @@ impl Tried<'_> {
         limit.is_none_or(|limit| self.scene.settings.dt <= wrong * limit)
     }
 
-    /// The largest of the stiffnesses that is predicted to be stable, found between the least and the most of them.
+    /// The largest stiffness predicted to be stable, between the first and the last of `stiffness`.
     fn predicted(&self, damping: f64, stiffness: &[f64], wrong: f64) -> Option<f64> {
         let (least, most) = (*stiffness.first()?, *stiffness.last()?);
         let is_predicted = |stiffness: f64| self.is_predicted(stiffness, damping, wrong);
@@ -195,7 +196,7 @@ impl Tried<'_> {
     fn predicted_fall(&self, columns: &[Column], stiffness: &[f64], wrong: f64) -> Vec<[f64; 2]> {
         let Some(ends @ [last, _]) = between(columns, |column| column.predicted.is_some()) else { return Vec::new() };
         let end = halved_often(ends, |damping| self.is_predicted(stiffness[0], damping, wrong));
-        // It falls ever more steeply.
+        // The border falls ever more steeply, so its points lie ever closer.
         let dampings = (1..=FALL_POINTS).map(|part| end - (end - last) * libm::exp2(-f64::from(part)));
         let place = |damping: f64| Some([damping, self.predicted(damping, stiffness, wrong)?]);
         dampings.filter_map(place).chain([[end, stiffness[0]]]).collect()
@@ -225,14 +226,14 @@ fn cube(integrator: Integrator) -> Scene {
     scene
 }
 
-/// Its material, the same for all families.
+/// The cube's material, with the same springs in all families.
 fn cube_material(damping: f64, stiffness: f64) -> Material {
     let of_mass = PARTICLE_KG * CELL_M;
     let spring = Spring { stiffness: stiffness * of_mass, damping: damping * of_mass };
     Material::Springs(Springs { structural: spring, shear: spring, bending: spring, particle_mass: PARTICLE_KG })
 }
 
-/// The last good value, to a thousandth or so.
+/// The last good value, to about a thousandth.
 fn halved_often(ends: [f64; 2], is_good: impl Fn(f64) -> bool) -> f64 {
     halved(halved(ends, &is_good), &is_good)[0]
 }

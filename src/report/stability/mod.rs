@@ -1,7 +1,7 @@
 //! The stability report (R2): cases from one end of the ranges to the other, each with the predicted limit of the step
-//! beside the measured one and its motion in automatic stepping judged; random scenes; the border of what is stable over
-//! stiffness and damping; contact and friction, and of a round body against Hertz's theory; the thesis's two failures with
-//! their cures.
+//! beside the measured one and its motion in automatic stepping judged; random scenes; the border of stability over
+//! stiffness and damping; contact and friction; a round body against Hertz's theory; the thesis's two failures with their
+//! cures.
 
 pub mod contact;
 pub mod failures;
@@ -49,18 +49,18 @@ pub struct RandomFigures {
     pub seed: u64,
     pub scenes: u64,
     pub passed: u64,
-    /// Scenes that were watched for less than their time, as they take too many substeps.
+    /// Scenes that were watched for less than their time, as they take too much work.
     pub cut_short: u64,
     pub not_finite: u64,
     pub energy: u64,
     pub reach: u64,
-    /// Scenes that took far more work than was to be expected, without a word of it.
+    /// Scenes that took far more work than was to be expected, without being slowed.
     pub work: u64,
     /// Scenes in which the implicit integrator reached the limit of its work.
     pub slowed: u64,
-    /// Of those that failed, the ones that pass in double precision.
+    /// Failed scenes that pass in double precision.
     pub sound_in_double: u64,
-    /// The most energy from nowhere among those that passed, as a share.
+    /// The largest gain of energy from nowhere among the scenes that passed, as a share.
     pub largest_gain_passed: f64,
     pub wall_secs: f64,
     pub failures: Vec<RandomFailure>,
@@ -76,7 +76,7 @@ pub struct RandomFailure {
     pub sound_in_double: bool,
 }
 
-/// Everything that the report tells.
+/// All results of the report.
 #[derive(Clone, Debug, Default, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct StabilityFigures {
@@ -89,7 +89,7 @@ pub struct StabilityFigures {
 }
 
 impl StabilityFigures {
-    /// What failed, in words; empty where nothing did.
+    /// The failures in words; empty where there are none.
     pub fn failed(&self) -> String {
         let scenes = self.random.as_ref().map_or(0, |random| random.failures.len());
         let counts = [
@@ -131,7 +131,7 @@ pub fn case(name: &str, scene: &Scene, lattices: &[Arc<Lattice>], quick: bool) -
     }
 }
 
-/// Judges random scene `number`; if it fails, in double precision too: whether it is sound there.
+/// Judges random scene `number`. If it fails, judges it in double precision too and returns whether it passes there.
 ///
 /// # Errors
 /// If a shape cannot be made, which no scene of [`extreme`] should cause.
@@ -144,7 +144,7 @@ pub fn random(seed: u64, number: u64, quick: bool) -> Result<(Verdict, bool), Re
     Ok((verdict, sound))
 }
 
-/// Adds up what [`random`] found of scenes 0, 1, 2 ….
+/// Adds up the results of [`random`] for scenes 0, 1, 2 ….
 pub fn summary(seed: u64, found: &[(Verdict, bool)], wall_secs: f64) -> RandomFigures {
     let count = |is: &dyn Fn(&(Verdict, bool)) -> bool| found.iter().filter(|one| is(one)).count() as u64;
     let with = |fault: Fault| count(&|(verdict, _)| verdict.fault == Some(fault));
@@ -183,7 +183,7 @@ mod tests {
         let lattices = lattices(scene).expect("sound shapes");
         let figures = case(name, scene, &lattices, true);
         assert!(figures.passed && figures.ratio.is_some_and(|ratio| (0.6..=1.0).contains(&ratio)), "{figures:?}");
-        // No automatic stepping makes explicit Euler stable.
+        // Automatic stepping cannot make explicit Euler stable.
         let mut explicit = scene.clone();
         explicit.settings.integrator = Integrator::Explicit;
         explicit.settings.dt = 0.05;

@@ -208,7 +208,7 @@ pub fn csv(cases: &[CaseFigures]) -> String {
     text
 }
 
-/// A number as a person reads it, to three digits or so.
+/// A number for a person to read, to about three digits.
 fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
@@ -252,7 +252,7 @@ pub fn contact_csv(contact: &[ContactFigures]) -> String {
     text
 }
 
-/// A ball against Hertz's theory as comma-separated values.
+/// The comparison of a ball with Hertz's theory as comma-separated values.
 pub fn hertz_csv(figures: Option<&HertzFigures>) -> String {
     let mut text =
         "against,divisions,particles,indentation_m,force_n,force_over_theory,patch_radius_m,patch_over_theory,points,\

@@ -41,7 +41,7 @@ impl Default for Mesh {
 }
 
 /// The surface of a model's file, kept with the obstacle so that the file is read once and an undone edit does not need it
-/// again. It follows from the path, so it makes no difference between two obstacles.
+/// again. It follows from the path, so comparing obstacles ignores it.
 #[derive(Clone, Debug, Default)]
 pub struct Loaded(Option<Held>);
 
@@ -59,30 +59,30 @@ impl PartialEq for Loaded {
 }
 
 impl Mesh {
-    /// The surface, over the model's length; none as long as the file is not read.
+    /// Returns the surface, scaled to a longest extent of 1; none until the file is read.
     pub fn surface(&self) -> Option<Arc<Surface>> {
         let held = self.loaded.0.as_ref().filter(|held| held.path == self.path && held.up == self.up);
         held.map(|held| Arc::clone(&held.surface)).or_else(|| carried(&self.path, self.up))
     }
 
-    /// Takes what its file holds.
+    /// Keeps the surface read from its file.
     pub fn load(&mut self, surface: Arc<Surface>) {
         self.loaded = Loaded(Some(Held { path: self.path.clone(), up: self.up, surface }));
     }
 
-    /// Metres to the unit of the surface: its longest extent.
+    /// Returns the metres per unit of the surface, which is its longest extent.
     pub fn scale(&self, surface: &Surface) -> f64 {
         if self.length > 0.0 { self.length } else { surface.own_length() }
     }
 
-    /// Half its box in its own axes, m; that of a cube as long as the file is not read.
+    /// Returns half the extents of its box in its own axes, m; those of a cube until the file is read.
     pub fn half_extents(&self) -> DVec3 {
         let of = |surface: Arc<Surface>| surface.half_extents() * self.scale(&surface);
         self.surface().map_or_else(|| DVec3::splat(0.5 * self.length), of)
     }
 }
 
-/// The surface of a model that the program carries, made once.
+/// Returns the surface of a model that the program carries; each is made once.
 fn carried(path: &str, up: UpAxis) -> Option<Arc<Surface>> {
     static MADE: Mutex<Vec<(String, UpAxis, Arc<Surface>)>> = Mutex::new(Vec::new());
     let bytes = builtin::model(path.strip_prefix(builtin::PREFIX)?)?;

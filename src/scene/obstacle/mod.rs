@@ -34,7 +34,7 @@ pub struct Obstacle {
 }
 
 impl Obstacle {
-    /// How far its motion has taken it from its place after so much simulated time, m, and turned it.
+    /// Returns how far its motion has moved it, m, and turned it after this much simulated time.
     pub fn moved(&self, secs: f64) -> (DVec3, DMat3) {
         let (way, turned) = self.motion.map(|motion| motion.rigid().at(secs)).unwrap_or_default();
         (way, DMat3::from_quat(turned))
@@ -55,7 +55,7 @@ impl Default for Obstacle {
     }
 }
 
-/// The file form: the kind of obstacle is the name of the one field that is given.
+/// The form in a file: the one shape field that is given names the kind of obstacle.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct ObstacleFile {

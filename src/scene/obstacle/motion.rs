@@ -21,7 +21,7 @@ pub enum Motion {
 pub struct Turn {
     /// The axis in the scene; any length but zero.
     pub axis: [f64; 3],
-    /// Turns a second; less than nothing the other way.
+    /// Turns a second; negative for the other way.
     pub turns_per_sec: f64,
 }
 
@@ -37,9 +37,9 @@ impl Default for Turn {
 pub struct Oscillate {
     /// The axis in the scene; any length but zero.
     pub axis: [f64; 3],
-    /// The farthest from the middle, m.
+    /// The greatest distance from the middle, m.
     pub amplitude: f64,
-    /// From one middle to the next but one, s.
+    /// The time of a whole swing there and back, s.
     pub period_secs: f64,
 }
 
@@ -53,7 +53,7 @@ impl Motion {
     /// The names of the motions in a scene file.
     pub const NAMES: [&str; 2] = ["turn", "oscillate"];
 
-    /// As a function of time.
+    /// Returns the motion as a function of time.
     pub fn rigid(&self) -> RigidMotion {
         let along = |axis: [f64; 3]| DVec3::from(axis).normalize_or(DVec3::Y);
         match *self {

@@ -39,7 +39,7 @@ impl ObstacleShape {
         }
     }
 
-    /// The same, to move it.
+    /// The middle, to move it.
     pub fn center_mut(&mut self) -> &mut [f64; 3] {
         match self {
             Self::Plane(plane) => &mut plane.center,
@@ -63,7 +63,7 @@ impl ObstacleShape {
         }
     }
 
-    /// The same, to turn it.
+    /// The rotation, to change it.
     pub fn rotation_deg_mut(&mut self) -> Option<&mut [f64; 3]> {
         match self {
             Self::Plane(plane) => Some(&mut plane.rotation_deg),
@@ -97,7 +97,7 @@ impl ObstacleShape {
         Aabb { min: center - reach, max: center + reach }
     }
 
-    /// How far it is at least from the middle to the surface, m; none of what has no inside, and of a sphere.
+    /// The smallest distance from the middle to the surface, m; none for a sphere and for a shape with no inside.
     pub fn half_thickness(&self) -> Option<f64> {
         match *self {
             Self::Plane(_) | Self::Sphere(_) => None,
@@ -111,7 +111,7 @@ impl ObstacleShape {
         }
     }
 
-    /// The second smallest of its extents, m: what is thin in one direction alone stops all that comes.
+    /// The second smallest of its extents, m. The smallest does not count: a thin wall still stops everything.
     pub fn width(&self) -> f64 {
         match *self {
             Self::Plane(Plane { half_extents: [a, b], .. }) => 2.0 * a.min(b),
@@ -127,7 +127,7 @@ impl ObstacleShape {
     }
 }
 
-/// The second smallest of the sides of a box, of which half are given.
+/// The second smallest side of a box with these half sides.
 fn second(a: f64, b: f64, c: f64) -> f64 {
     2.0 * a.min(b).max(a.max(b).min(c))
 }
@@ -192,7 +192,7 @@ pub struct Capsule {
     pub center: [f64; 3],
     /// Euler angles about x, then y, then z (fixed axes), degrees.
     pub rotation_deg: [f64; 3],
-    /// Of the cylinder and of the balls, m.
+    /// The radius of the cylinder and of the half balls, m.
     pub radius: f64,
     /// Half the length of the cylinder, without the balls, m.
     pub half_height: f64,

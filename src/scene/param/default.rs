@@ -22,7 +22,7 @@ pub(in crate::scene) fn default_at(path: &str) -> Option<Value> {
     if path == "view.color_range" {
         return Some(Value::Null);
     }
-    // No body has one by default, and what becomes a model is to have none.
+    // These lists are empty in the tree of defaults, so that a body that becomes a model has none of these cells.
     let cells = ["shape.model.attached", "shape.model.erased", "inlays.*.cells", "pinned_cells"];
     if cells.iter().any(|cells| matches(&format!("bodies.*.{cells}.*"), path)) {
         return Some(Value::from(vec![0; 3]));
@@ -32,7 +32,7 @@ pub(in crate::scene) fn default_at(path: &str) -> Option<Value> {
     pick(tree(), &names).cloned()
 }
 
-/// All defaults as values: they are asked for in every frame, and never change.
+/// All defaults as values; kept because they are read in every frame and never change.
 fn tree() -> &'static Value {
     static TREE: OnceLock<Value> = OnceLock::new();
     // A scene of defaults can always be written down.

@@ -7,10 +7,10 @@ use serde_json::Value;
 use crate::scene::body::{MAX_INLAYS, MAX_NAMED_PARTS};
 use crate::text::echo;
 
-/// Where a model file is named.
+/// The path of a body's model file.
 pub(super) const MODEL_PATH: &str = "bodies.*.shape.model.path";
 
-/// The same of an obstacle.
+/// The path of an obstacle's model file.
 pub(super) const MESH_PATH: &str = "obstacles.*.mesh.path";
 
 /// A value a person can set.
@@ -116,7 +116,7 @@ impl Param {
         }
     }
 
-    /// What a whole vector or list must hold beyond what each entry must.
+    /// Returns what is wrong with a vector or list as a whole, beyond its entries.
     fn check_array(&self, entries: &[Value]) -> Option<String> {
         let zero = entries.iter().all(|entry| entry.as_f64() == Some(0.0));
         match self.path {

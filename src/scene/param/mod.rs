@@ -44,7 +44,7 @@ pub fn find(path: &str) -> Option<&'static Param> {
     })
 }
 
-/// Every value of a scene that is not allowed. The models that it holds are no values.
+/// Every value of a scene that is not allowed. The model files within the scene are not checked here.
 pub fn validate(scene: &Scene) -> Vec<Problem> {
     if scene.models.is_empty() {
         return problems("", scene);
@@ -95,7 +95,7 @@ fn problems(path: &str, node: &impl Serialize) -> Vec<Problem> {
     found
 }
 
-/// Visits every leaf of a serialised scene with its parameter, and what hangs on more than one leaf.
+/// Visits every leaf of a serialised scene with its parameter, and every vector and list that has one of its own.
 fn walk(path: &str, value: &Value, visit: &mut impl FnMut(&str, &Value, Option<&Param>)) {
     let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
     let param = find(path);

@@ -5,7 +5,7 @@ use crate::scene::body::{Body, CellsShape, CubeShape, PinBox, Pose, Shape, Skin}
 use crate::scene::material::{Material, Spring, Springs};
 use crate::scene::{Obstacle, Scene};
 
-/// Without friction: what hits the first goes on in the last.
+/// Without friction: the motion of the first cube passes to the last.
 pub(super) fn newton() -> Scene {
     const SIZE: f64 = 0.4;
     let cube = |place: u32| Body {
@@ -27,7 +27,7 @@ pub(super) fn newton() -> Scene {
     scene
 }
 
-/// The one that falls has its bridge between the legs of the other, across, and its legs on either side.
+/// The falling U is turned across the hanging one: its bridge goes between the other's legs, its own legs on either side.
 pub(super) fn hook() -> Scene {
     const SIZE: f64 = 0.1;
     let body = |name: &str, pose: Pose| Body {
@@ -49,7 +49,7 @@ pub(super) fn hook() -> Scene {
     turned(35.0, 12.0, scene)
 }
 
-/// Set down with a small gap between one and the next.
+/// Set down with a small gap between each cube and the next.
 pub(super) fn stack() -> Scene {
     const SIZE: f64 = 0.6;
     const CELLS: u32 = 5;
@@ -64,7 +64,7 @@ pub(super) fn stack() -> Scene {
     Scene { bodies, ..looking_at([0.0, 1.4, 0.0], 7.0, scene(Body::default(), Vec::new())) }
 }
 
-/// So soft that it buckles under its own weight, and a little aslant, so that it does it the same way every time.
+/// So soft that it buckles under its own weight, and a little aslant, so that it buckles the same way every time.
 pub(super) fn fold() -> Scene {
     let spring = |stiffness: f64| Spring { stiffness, damping: 0.02 };
     let ribbon = Body {

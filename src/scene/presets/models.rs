@@ -53,8 +53,8 @@ pub(super) fn bridge() -> Scene {
     turned(20.0, 12.0, scene)
 }
 
-/// The chair twice, with the same push at the start: the left one moves by its cells, the right one by its modes. Neither has
-/// weight, which would nearly buckle legs as soft as these: modes are about rest and know nothing of that.
+/// The chair twice, with the same push at the start: the left one moves by its cells, the right one by its modes. There is
+/// no gravity: it would nearly buckle legs as soft as these, and modes, computed about rest, do not show that.
 pub(super) fn chair_modes() -> Scene {
     let mut scene = chair();
     let Some(chair) = scene.bodies.first().cloned() else { return scene };
@@ -130,9 +130,9 @@ pub(super) fn many() -> Scene {
     turned(30.0, 14.0, Scene { bodies, ..looking_at([0.0, 1.45, 0.0], 7.4, scene(Body::default(), Vec::new())) })
 }
 
-/// Young's modulus (Pa), density (kg/m³) and damping ratio of what is thick.
+/// Young's modulus (Pa), density (kg/m³) and damping ratio of thick models.
 const SOFT: [f64; 3] = [5e4, 200.0, 0.03];
-/// The same of what is thin, and would lie flat if it were as soft.
+/// The same for thin models, which would lie flat if they were as soft.
 const STIFF: [f64; 3] = [2e5, 200.0, 0.02];
 
 /// A carried model whose walls are thinner than a cell: every cell that they touch is filled.

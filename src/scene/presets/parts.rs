@@ -7,7 +7,7 @@ use crate::scene::settings::Settings;
 use crate::scene::view_settings::{CameraSettings, ViewSettings};
 use crate::scene::{Family, MaterialValue, Scene, builtin};
 
-/// A U of cells of so many metres: legs of three by so many cells, three apart.
+/// A U of cells with an edge of `size`, m: each leg is three by `depth` cells, and the legs are three cells apart.
 pub(super) fn u(depth: i32, size: f64) -> Shape {
     let is_filled = |i, j| !(3..6).contains(&i) || j < 3;
     let mut list = Vec::new();
@@ -19,7 +19,7 @@ pub(super) fn u(depth: i32, size: f64) -> Shape {
     Shape::Cells(CellsShape { list, size })
 }
 
-/// A model that the program carries as an obstacle of so many metres that stands on the ground.
+/// A model that the program carries as an obstacle of this length, m, standing on the ground.
 pub(super) fn mesh(name: &str, model: &str, length: f64) -> Obstacle {
     let mut mesh = Mesh { path: carried(model).path, length, ..Mesh::default() };
     mesh.center = [0.0, mesh.half_extents().y, 0.0];
@@ -39,7 +39,7 @@ pub fn jelly(cell_size: f64) -> Material {
     let default = Springs::default();
     let ratio = cell_size / (1.0 / 9.0);
     let (area, volume) = (DENSER * ratio * ratio, DENSER * ratio * ratio * ratio);
-    // Cells of a millimetre or of ten metres have no such material: they get the nearest one that there is.
+    // For cells of a millimetre or of ten metres some values are outside their ranges: they get the nearest allowed one.
     let spring = |family: Family| Spring {
         stiffness: MaterialValue::Stiffness(family).in_range(default.family(family).stiffness * area),
         damping: MaterialValue::Damping(family).in_range(default.family(family).damping * volume),

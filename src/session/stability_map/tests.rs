@@ -29,7 +29,7 @@ fn measured(scene: &Scene) -> StabilityMap {
     stability_map(scene, Path::new(""), LIMITING, &Progress::default(), &|| ()).expect("a map")
 }
 
-/// How often what is predicted to be stable blew up, and stable places in all.
+/// Counts the places predicted to be stable that blew up, and all places predicted to be stable.
 fn broken_promises(map: &StabilityMap, border: impl Fn(f64) -> f64) -> [usize; 2] {
     let mut found = [0, 0];
     for (column, &damping) in map.columns.iter().zip(&map.damping) {

@@ -1,5 +1,5 @@
 //! The plot of the error panel: error over wall time, both axes logarithmic. Every point is a button, so that keys, tests
-//! and screen readers reach it as a pointer does.
+//! and screen readers can reach it too.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
@@ -12,14 +12,14 @@ use crate::view::colormap::SERIES;
 
 /// The width of the names of the schemes on the right, points.
 const NAMES: f32 = 150.0;
-/// Of a point, of what can be clicked around it, and of the ring around the present one, points.
+/// Radii of a point, of its clickable area, and of the ring around the present one, points.
 const RADIUS: f32 = 3.0;
 const REACH: f32 = 6.0;
 const RING: f32 = 6.5;
-/// The least size of a plot that can be read, points.
+/// The least legible size of a plot, points.
 const LEAST: egui::Vec2 = vec2(160.0, 90.0);
 
-/// Draws the curves and says which point was clicked.
+/// Draws the curves. Returns the choice at the point that was clicked.
 pub(super) fn plot_ui(ui: &mut Ui, curve: &ErrorCurve, present: StepChoice) -> Option<StepChoice> {
     let (whole, _) = ui.allocate_exact_size(ui.available_size().max(LEAST), Sense::hover());
     let names = if whole.width() > 3.0 * NAMES { NAMES } else { 0.0 };
@@ -70,7 +70,7 @@ fn name_ui(ui: &Ui, at: Pos2, integrator: Option<Integrator>, color: Color32) {
     ui.painter().text(at + vec2(10.0, 0.0), Align2::LEFT_CENTER, name, FontId::proportional(12.0), theme::of(ui).text);
 }
 
-/// A point; says whether it was clicked.
+/// Draws a point. Returns whether it was clicked.
 fn point_ui(ui: &Ui, index: usize, point: &CurvePoint, place: Pos2, is_present: bool) -> bool {
     let series = schemes().position(|integrator| integrator == point.choice.integrator).unwrap_or_default();
     let rect = Rect::from_center_size(place, egui::Vec2::splat(2.0 * REACH));
@@ -93,7 +93,7 @@ fn words(point: &CurvePoint) -> String {
     format!("{}: {error}, {} per simulated second", point.choice.words(), duration(point.wall_secs))
 }
 
-/// The axes around everything measured; none where all diverged.
+/// The axes around all measured points; `None` if all diverged.
 fn axes_around(curve: &ErrorCurve, inner: Rect) -> Option<LogAxes> {
     let known = || curve.points.iter().filter_map(|point| Some((point.wall_secs, point.error_m?)));
     let across = decades(known().map(|(wall_secs, _)| wall_secs))?;

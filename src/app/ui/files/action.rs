@@ -1,15 +1,15 @@
-//! What can be asked for about files.
+//! The actions on files.
 
 use std::path::PathBuf;
 
-/// What a menu item or a key asks for.
+/// The action of a menu item or a key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileAction {
     /// A new scene.
     New,
     /// The dialog to open a scene.
     Open,
-    /// A scene whose file is known.
+    /// Open the scene of this file.
     OpenFile(PathBuf),
     /// Save, to the scene's file or a new one.
     Save,
@@ -21,11 +21,11 @@ pub enum FileAction {
     LoadModel,
     /// Choose a model and add it as an obstacle.
     AddMesh,
-    /// The dialog to go on from a saved state.
+    /// The dialog to open a saved state.
     OpenState,
     /// The dialog to save the present state.
     SaveState,
-    /// Open what was found after a crash.
+    /// Open the draft found after a crash.
     Recover,
     /// Close the window.
     Quit,

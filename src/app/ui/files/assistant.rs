@@ -1,4 +1,4 @@
-//! What the assistant that makes a model into jelly remembers, and when it asks for the work anew.
+//! The state of the assistant that makes a model into jelly, and its requests for the work.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::scene::edit::BodyId;
 use crate::session::jellify::{Jellified, Wanted};
 use crate::session::progress::Progress;
 
-/// How long a value must stand before the work begins, s.
+/// How long the values must stay the same before the work begins, s.
 const PAUSE_SECS: f64 = 0.3;
 
 /// The assistant.
@@ -22,15 +22,15 @@ const PAUSE_SECS: f64 = 0.3;
 pub(super) struct LoadModel {
     pub(super) of: Of,
     pub(super) shape: ModelShape,
-    /// What was last asked for, and since when it has been waited for, s.
+    /// The last shape wanted.
     pub(super) asked: Option<ModelShape>,
     changed_secs: f64,
     pub(super) work: Work,
-    /// The picture of what is ready.
+    /// The picture of the result.
     pub(super) inset: Inset,
 }
 
-/// What is made into jelly.
+/// The model that is made into jelly.
 #[derive(Debug)]
 pub(super) enum Of {
     /// A file, as a new body.
@@ -39,27 +39,27 @@ pub(super) enum Of {
     Body(BodyId),
 }
 
-/// How far the work is.
+/// The state of the work.
 #[derive(Debug, Default)]
 pub enum Work {
     /// There is nothing to do.
     #[default]
     Idle,
-    /// It goes on.
+    /// It is in progress.
     Running(Arc<Progress>),
     /// The body is ready.
     Ready(Box<Jellified>),
-    /// It cannot be made; why, as a sentence.
+    /// It has failed; the reason as a sentence.
     Failed(String),
 }
 
 impl LoadModel {
-    /// An assistant that starts from a path.
+    /// An assistant that begins with a path.
     pub(super) fn new(start: &Path) -> Self {
         Self::with(Of::File(PathField::new(PathUse::OpenModel, start)), ModelShape::for_new())
     }
 
-    /// An assistant that starts from the model of a body.
+    /// An assistant that begins with the model of a body.
     pub(super) fn of_body(id: BodyId, shape: ModelShape) -> Self {
         Self::with(Of::Body(id), shape)
     }
@@ -76,12 +76,12 @@ impl LoadModel {
         }
     }
 
-    /// The work has begun, ended or failed.
+    /// Sets the state of the work.
     pub(super) fn set_work(&mut self, work: Work) {
         self.work = work;
     }
 
-    /// The shape that the values stand for, once the path leads to a file.
+    /// The shape according to the values; `None` until the path leads to a file.
     fn wanted(&mut self) -> Option<ModelShape> {
         let Of::File(field) = &mut self.of else { return Some(self.shape.clone()) };
         let Verdict::Usable(path, _) = field.verdict() else { return None };
@@ -89,7 +89,7 @@ impl LoadModel {
         Some(ModelShape { path: path.to_str()?.to_owned(), ..self.shape.clone() })
     }
 
-    /// Starts the work anew once the values have stood for a while.
+    /// Requests the work anew once the values have stayed the same for a while.
     pub(super) fn follow(&mut self, ui: &Ui, running: Running<'_>, wishes: &mut Vec<Wish>) {
         let wanted = self.wanted();
         let now = ui.input(|input| input.time);
@@ -125,13 +125,13 @@ impl LoadModel {
         }
     }
 
-    /// The body whose model is filled once more.
+    /// The body whose model is filled again.
     pub(super) fn body<'a>(&self, running: Running<'a>) -> Option<&'a Body> {
         let Of::Body(id) = self.of else { return None };
         running.scene.bodies.get(id.0)
     }
 
-    /// Whether there is something to make jelly of: a body may have gone, or be of something else now.
+    /// Whether there is still a model: the body may be gone, or have another shape now.
     pub(super) fn is_sound(&self, running: Running<'_>) -> bool {
         let is_model = |body: &Body| matches!(&body.shape, Shape::Model(_));
         matches!(self.of, Of::File(_)) || self.body(running).is_some_and(is_model)

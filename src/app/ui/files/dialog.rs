@@ -4,12 +4,12 @@ use egui::{Align, Color32, Id, Key, Layout, Modal, Modifiers, Response, RichText
 
 use crate::app::ui::theme;
 
-/// The fill of the button that Enter stands for; white is legible on it.
+/// The fill of the main button, which Enter presses; white text is legible on it.
 pub const MAIN_FILL: Color32 = Color32::from_rgb(52, 95, 162);
-/// Its least size, points: the longest of the words it changes between, so that its neighbours stay where they are.
+/// The least size of the main button, points: room for the longest of its words, so that its neighbours do not move.
 const MAIN_SIZE: Vec2 = vec2(112.0, 0.0);
 
-/// A dialog in the middle of the window that everything else waits for. Says whether Escape was pressed in it.
+/// A dialog in the middle of the window that blocks everything else. Returns whether Escape was pressed in it.
 pub(super) fn dialog_ui(ui: &Ui, name: &str, width: f32, contents: impl FnOnce(&mut Ui)) -> bool {
     let room = ui.ctx().content_rect().size();
     let frame = egui::Frame::window(ui.style()).inner_margin(18);
@@ -17,7 +17,7 @@ pub(super) fn dialog_ui(ui: &Ui, name: &str, width: f32, contents: impl FnOnce(&
         ui.set_width(width.min(room.x - 60.0));
         ui.label(RichText::new(name).heading().color(theme::of(ui).strong));
         ui.add_space(4.0);
-        // In the smallest windows a dialog is scrolled.
+        // In the smallest windows the dialog scrolls.
         let height = (room.y - 110.0).max(120.0);
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, contents);
     });
@@ -25,13 +25,13 @@ pub(super) fn dialog_ui(ui: &Ui, name: &str, width: f32, contents: impl FnOnce(&
     modal.is_top_modal && !modal.any_popup_open && escaped()
 }
 
-/// The row of buttons at the end of a dialog, from the right: no higher than its buttons.
+/// The row of buttons at the end of a dialog, laid out from the right, and no higher than its buttons.
 pub(super) fn buttons_ui(ui: &mut Ui, contents: impl FnOnce(&mut Ui)) {
     let row = vec2(ui.available_width(), ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), contents);
 }
 
-/// The button that Enter stands for.
+/// The main button, which Enter presses.
 pub(super) fn main_button_ui(ui: &mut Ui, name: &str, enabled: bool) -> Response {
     let button = egui::Button::new(RichText::new(name).color(Color32::WHITE)).fill(MAIN_FILL).min_size(MAIN_SIZE);
     ui.add_enabled(enabled, button)

@@ -1,4 +1,4 @@
-//! Files dragged over the window: the view lights up while they hover, and takes them when they are let go.
+//! Files dragged over the window: the view is highlighted while they hover, and takes them when they are dropped.
 
 use egui::{Align2, CornerRadius, Id, LayerId, Order, Stroke, StrokeKind, Ui};
 
@@ -6,7 +6,7 @@ use super::{FileAction, UiState};
 use crate::app::ui::theme;
 use crate::session::document::is_scene_path;
 
-/// Lights the view up under a file and takes what was dropped.
+/// Highlights the view under a file and takes dropped files.
 pub(super) fn drop_ui(ui: &Ui, state: &mut UiState) {
     let (hovered, dropped) = ui.input(|input| (input.raw.hovered_files.clone(), input.raw.dropped_files.clone()));
     if let Some(file) = hovered.first() {

@@ -1,4 +1,4 @@
-//! The picture of a model in its cells: what is drawn, from where, and the texture that the window drew it in.
+//! The picture of a model in its cells: its contents, its view, and the texture into which the window has drawn it.
 
 use std::sync::Arc;
 
@@ -10,34 +10,34 @@ use crate::extract::model_picture::{JOINED, ModelPicture, THIN, THIN_AND_JOINED}
 use crate::session::jellify::Preview;
 use crate::view::{DrawList, Orbit, Style};
 
-/// How far a drag turns, radians a point.
+/// The turn per point of a drag, radians.
 const TURN: f32 = 0.01;
 
-/// The height of what a colour means, points.
+/// The height of a line of the key to the colours, points.
 const KEY_HEIGHT: f32 = 16.0;
 
 /// A picture that the window is to draw.
 #[derive(Debug)]
 pub struct InsetWish {
-    /// What is to be seen.
+    /// The contents of the picture.
     pub draw_list: DrawList,
-    /// Pixels.
+    /// Width and height, pixels.
     pub size: [u32; 2],
 }
 
 /// The picture of a model in its cells.
 #[derive(Debug, Default)]
 pub(super) struct Inset {
-    /// What it is of, and from where it is seen.
+    /// The model, and the orbit from which it is seen.
     of: Option<(Arc<ModelPicture>, Orbit)>,
     shows_cells: bool,
-    /// What the texture shows, or will.
+    /// What the texture shows, or will show.
     asked: Option<Asked>,
     wish: Option<InsetWish>,
     texture: Option<TextureId>,
 }
 
-/// What tells one picture from another.
+/// The properties that distinguish one picture from another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Asked {
     orbit: Orbit,
@@ -47,17 +47,17 @@ struct Asked {
 }
 
 impl Inset {
-    /// What the window is to draw, once.
+    /// Takes the picture that the window is to draw, if any.
     pub(super) fn take_wish(&mut self) -> Option<InsetWish> {
         self.wish.take()
     }
 
-    /// Whether the window is to draw something.
+    /// Whether the window is to draw a picture.
     pub(super) fn has_wish(&self) -> bool {
         self.wish.is_some()
     }
 
-    /// It was drawn; none where the window has lost what it drew.
+    /// Sets the texture drawn by the window; `None` if the window has lost it.
     pub(super) fn drawn(&mut self, texture: Option<TextureId>) {
         self.texture = texture;
         if texture.is_none() {
@@ -65,7 +65,7 @@ impl Inset {
         }
     }
 
-    /// The picture in so much room, with what its colours mean below it.
+    /// The picture in a given size, with the key to its colours below it.
     pub(super) fn ui(&mut self, ui: &mut Ui, picture: &Arc<ModelPicture>, preview: &Preview, size: Vec2) {
         let (rect, response) = ui.allocate_exact_size(size, Sense::drag());
         let label = "The model and its cells; drag to turn";
@@ -115,7 +115,7 @@ impl Inset {
     }
 }
 
-/// A colour and what it means.
+/// A colour and its meaning.
 fn key_ui(ui: &mut Ui, [red, green, blue]: [u8; 3], words: &str) -> egui::Response {
     let row = ui.horizontal(|ui| {
         let (rect, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());

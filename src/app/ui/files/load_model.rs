@@ -1,5 +1,5 @@
-//! The assistant that makes a model into jelly (J7): which file, how finely, and what will come of it before anything
-//! is changed. A value that changes starts the work anew; the work itself is done elsewhere.
+//! The assistant that makes a model into jelly (J7): the file, how finely it is divided, and a preview of the result before
+//! anything is changed. Every change of a value starts the work anew; the work itself is done elsewhere.
 
 use egui::{ComboBox, DragValue, Grid, ProgressBar, RichText, ScrollArea, Ui, Vec2};
 
@@ -21,16 +21,15 @@ use crate::session::{Command, Status};
 use crate::text::counted;
 use crate::view::legend::three_digits;
 
-/// The heights of the list of files and of what the model becomes, and what the rest of the dialog needs beside them,
-/// points.
+/// The heights of the list of files and of the preview, and the height of the rest of the dialog, points.
 const HEIGHTS: [f32; 2] = [140.0, 236.0];
 const REST: f32 = 350.0;
 /// The dialog's width and that of the picture in it, points.
 const WIDTH: f32 = 760.0;
 const PICTURE_WIDTH: f32 = 290.0;
-/// What stands below the picture, points.
+/// The height of the text below the picture, points.
 const BELOW_PICTURE: f32 = 100.0;
-/// How often the progress is looked at while the work goes on.
+/// The time between two looks at the progress.
 const LOOK: std::time::Duration = std::time::Duration::from_millis(60);
 
 /// The assistant, when it is open.
@@ -162,7 +161,7 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
     });
 }
 
-/// How far the work is and what comes of it, always as high, so that the buttons below stay where they are.
+/// The progress of the work and its result, always at the same height, so that the buttons below do not move.
 fn work_ui(ui: &mut Ui, model: &LoadModel, height: f32, status: &Status, wishes: &mut Vec<Wish>) {
     let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, false]);
     area.show(ui, |ui| match &model.work {
@@ -189,7 +188,7 @@ fn work_ui(ui: &mut Ui, model: &LoadModel, height: f32, status: &Status, wishes:
 }
 
 fn preview_ui(ui: &mut Ui, preview: &Preview, status: &Status) {
-    // Before the figures, of which there are more than the dialog is high.
+    // Warnings come before the numbers, which do not all fit in the dialog.
     for warning in &preview.warnings {
         let text = RichText::new(capitalised(warning)).color(theme::of(ui).warning);
         ui.add(egui::Label::new(text).wrap());
@@ -234,7 +233,7 @@ fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// The speed that the window will show with the body alone, and with it beside what moves now.
+/// The speed that the window will show with the body alone, and beside everything that moves now.
 fn speed_words(alone: f64, status: &Status) -> String {
     let words = |beside| match speed_in_window(alone, beside, status.processor_share) {
         factor if factor >= 1.0 => format!("real time (up to {factor:.1}×)"),

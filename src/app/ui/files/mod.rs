@@ -1,6 +1,6 @@
-//! Everything about files that a person sees: opening, saving, the question before changes are lost, what is found
-//! after a crash, files dropped on the window. Remembers what is open and asked; what needs a thread, the system or
-//! the disk's state folder is a [`Wish`] to the window.
+//! The dialogs about files: opening, saving, the question before changes are lost, drafts found after a crash, files dropped
+//! on the window. Keeps the open dialogs and questions; work that needs a thread, the system or the state folder is a
+//! [`Wish`] to the window.
 
 mod action;
 mod assistant;
@@ -41,7 +41,7 @@ pub(super) fn files_ui(
     commands: &mut Vec<Command>,
 ) {
     drop::drop_ui(ui, state);
-    // One thing at a time: a simulation that broke comes first.
+    // One at a time: a simulation that broke comes first.
     if status.trouble.is_none() {
         recovery_card::recovery_card_ui(ui, state);
     }
@@ -83,7 +83,7 @@ fn begin(action: FileAction, status: &Status, state: &mut UiState, commands: &mu
             files.dialog = Some(PathDialog::new(PathUse::OpenState, &start));
         }
         FileAction::SaveState => {
-            // What is seen now is what is meant, however long the name takes.
+            // The state at this moment is to be saved, however long the name takes.
             commands.push(Command::Pause);
             let name = Path::new(&status.title).with_extension("state");
             let start = files.start_folder(status).join(name);

@@ -1,4 +1,4 @@
-//! The question before a scene replaces what another program has written into its file.
+//! The question before a scene file is overwritten that another program has changed.
 
 use egui::{Align, Layout, Ui, vec2};
 
@@ -6,11 +6,11 @@ use super::dialog::{dialog_ui, main_button_ui};
 use super::{FileAction, FilesState};
 use crate::session::{Command, Status};
 
-/// The question, when saving was refused and nobody has answered yet.
+/// The question, if saving was refused and nobody has answered yet.
 pub(super) fn overwrite_ui(ui: &Ui, status: &Status, files: &mut FilesState, commands: &mut Vec<Command>) {
     files.asks_to_overwrite = status.file.is_some() && status.refused_saves > files.answered_refusals;
     let Some(file) = status.file.as_ref().filter(|_| files.asks_to_overwrite) else {
-        // A later success or another scene starts the count anew.
+        // A later success or another scene resets the count.
         files.answered_refusals = files.answered_refusals.min(status.refused_saves);
         return;
     };

@@ -1,4 +1,4 @@
-//! The dialogs that ask for a path: open a scene or a state, save one.
+//! The dialogs that ask for a path, to open or save a scene or a state.
 
 use std::path::{Path, PathBuf};
 
@@ -12,13 +12,13 @@ use crate::app::ui::theme;
 use crate::session::Command;
 use crate::session::document::ModelPlace;
 
-/// Recent files offered in the dialog; the menu has all.
+/// The number of recent files in the dialog; the menu has all.
 const RECENT: usize = 4;
-/// The height of the list of files, and what the rest of the dialog needs beside it, points.
+/// The height of the list of files, and that of the rest of the dialog, points.
 const LIST_HEIGHT: f32 = 168.0;
 const REST: f32 = 340.0;
 
-/// The dialog that asks for a path, when one is open.
+/// The dialog that asks for a path, if one is open.
 pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut Vec<Command>) {
     let Some(mut dialog) = files.dialog.take() else { return };
     let name = match dialog.purpose {
@@ -71,7 +71,7 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut
     }
 }
 
-/// Whether the models of the scene are put into its file.
+/// The choice whether the models of the scene are saved in its file.
 fn models_ui(ui: &mut Ui, dialog: &mut PathDialog) {
     let mut inside = dialog.models == ModelPlace::Inside;
     if !inside && !dialog.chooses_models {

@@ -1,5 +1,5 @@
-//! A field for a path that says while it is typed what is wrong with it, with the fitting files of the folder below:
-//! it works on every system, whatever dialogs there are. Looks at the file system only when the text changes.
+//! A field for a path that reports errors while a person types, with the matching files of the folder below it. It works on
+//! every system, with or without file dialogs. Looks at the file system only when the text changes.
 
 use std::path::{Path, PathBuf};
 
@@ -14,15 +14,15 @@ use crate::session::document::is_scene_path;
 use crate::session::state_file;
 use crate::text::counted;
 
-/// Entries of a folder that are listed; the name of what is to be opened narrows them down.
+/// The most entries of a folder that are listed; typing the name of a file to open narrows them down.
 const LISTED: usize = 200;
-/// The height kept for what there is to say about a path, so that nothing below it moves, points.
+/// The height reserved for the verdict on a path, so that nothing below it moves, points.
 const VERDICT_HEIGHT: f32 = 38.0;
-/// Why there may be no window of the system to choose in.
+/// The reason why there may be no file dialog of the system.
 const NO_BROWSER: &str = "No window of the desktop to choose files in has answered; on Linux a portal shows it, for \
                           example the package xdg-desktop-portal-gtk. Type the path, or choose below.";
 
-/// What the path is for.
+/// The purpose of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PathUse {
     /// A scene is read from it.
@@ -37,22 +37,22 @@ pub enum PathUse {
     OpenState,
     /// The state is written to it.
     SaveState,
-    /// A folder of the scene and its models is made of it.
+    /// A folder with the scene and its models is created there.
     Collect,
 }
 
-/// What the path typed leads to.
+/// The verdict on the typed path.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Verdict {
-    /// Nothing was typed, or a folder: there is nothing to say yet.
+    /// Nothing or a folder was typed: there is no verdict yet.
     Unfinished,
-    /// It cannot be used; why, as a sentence.
+    /// It cannot be used; the reason as a sentence.
     Unusable(String),
-    /// It can be used; what it is, in a few words.
+    /// It can be used; a description in a few words.
     Usable(PathBuf, String),
-    /// It can be written, but there is a file already.
+    /// It can be written, but the file exists already.
     Replaces(PathBuf),
-    /// A model where a scene was asked for.
+    /// It leads to a model, but a scene is wanted.
     Model(PathBuf),
 }
 
@@ -74,7 +74,7 @@ struct Entry {
 }
 
 impl PathField {
-    /// A field with a path in it to start from.
+    /// A field that begins with a path.
     pub(super) fn new(purpose: PathUse, start: &Path) -> Self {
         let mut text = start.to_string_lossy().into_owned();
         if start.is_dir() && !text.ends_with(std::path::MAIN_SEPARATOR) {
@@ -89,12 +89,12 @@ impl PathField {
         self.judged = None;
     }
 
-    /// The folder that the path lies in.
+    /// The folder of the path.
     pub(super) fn folder(&self) -> PathBuf {
         folder_typed(&self.text)
     }
 
-    /// What the path leads to.
+    /// The verdict on the path.
     pub(super) fn verdict(&mut self) -> &Verdict {
         if self.judged.as_ref() != Some(&self.text) {
             self.verdict = judge(self.purpose, &self.text);
@@ -104,9 +104,8 @@ impl PathField {
         &self.verdict
     }
 
-    /// The field with its list. Says whether Enter was pressed in it, and whether the button beside it was.
-    /// `can_browse`: the system has a window to choose in. The height below the field is `height`, whatever there is to
-    /// say and to list.
+    /// The field with its list. Returns whether Enter was pressed in it, and whether the button beside it was. `can_browse`:
+    /// the system has a file dialog. The height below the field is always `height`.
     pub(super) fn ui(&mut self, ui: &mut Ui, label: &str, can_browse: bool, height: f32) -> PathResponse {
         let mut response = PathResponse::default();
         let field = ui.horizontal(|ui| {
@@ -118,7 +117,7 @@ impl PathField {
                 field.request_focus();
             }
             let entered = ui.input(|input| input.key_pressed(Key::Enter));
-            // Enter counts too when a click beside everything has taken the keyboard from the field.
+            // Enter also counts after a click beside everything, which takes the keyboard from the field.
             response.entered = entered && (field.lost_focus() || ui.memory(|memory| memory.focused().is_none()));
             let browse = ui.add_enabled(can_browse, Button::new("Browse…"));
             let browse = browse.on_hover_text("Choose in a window of the system").on_disabled_hover_text(NO_BROWSER);
@@ -126,7 +125,7 @@ impl PathField {
             field
         });
         if response.entered && matches!(self.verdict(), Verdict::Unfinished | Verdict::Unusable(_)) {
-            // Typing goes on.
+            // A person can continue typing.
             field.inner.request_focus();
         }
         self.verdict();
@@ -162,7 +161,7 @@ impl PathField {
         }
     }
 
-    /// Folders and fitting files of the folder typed; a click goes there.
+    /// The subfolders and matching files of the typed folder; a click opens an entry.
     fn list_ui(&mut self, ui: &mut Ui) {
         let mut chosen = None;
         let height = ui.available_height().max(40.0);
@@ -188,18 +187,18 @@ impl PathField {
             if is_folder && !self.text.ends_with(std::path::MAIN_SEPARATOR) {
                 self.text.push(std::path::MAIN_SEPARATOR);
             }
-            // Typing and Enter go on from here.
+            // Typing and Enter continue from here.
             self.focus = true;
         }
     }
 }
 
-/// What was done with a path field.
+/// The interaction with a path field.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathResponse {
     /// Enter was pressed in the field.
     pub(super) entered: bool,
-    /// A window of the system to choose in was asked for.
+    /// The system's file dialog was requested.
     pub(super) browse: bool,
 }
 
@@ -210,7 +209,7 @@ fn row_ui(ui: &mut Ui, shown: &str, name: &str) -> egui::Response {
     response
 }
 
-/// The path a text means; `~` is the home folder.
+/// The path of a text; `~` is the home folder.
 fn expanded(text: &str) -> PathBuf {
     let text = text.trim();
     let home = || directories::BaseDirs::new().map(|folders| folders.home_dir().to_owned());
@@ -223,7 +222,7 @@ fn expanded(text: &str) -> PathBuf {
     }
 }
 
-/// The folder that a text names or that the file it names is in.
+/// The folder that a text names, or that of the file it names.
 fn folder_typed(text: &str) -> PathBuf {
     let path = expanded(text);
     if text.trim().ends_with(['/', '\\']) { path } else { folder_of(&path) }
@@ -297,8 +296,8 @@ fn words(scene: &Scene) -> String {
     format!("A scene of {bodies} and {obstacles}")
 }
 
-/// What lies in the folder typed and fits: folders first, by name; where one of them is to be opened, narrowed down by what was
-/// typed after it. A name to save under is a new one most of the time, and would leave nothing to be seen.
+/// The matching entries of the typed folder: folders first, by name. For a path to open, the typed name narrows them down. A
+/// name to save under is mostly new, and would leave the list empty.
 fn entries(purpose: PathUse, text: &str) -> Vec<Entry> {
     let folder = folder_typed(text);
     let typed = expanded(text);
@@ -311,7 +310,7 @@ fn entries(purpose: PathUse, text: &str) -> Vec<Entry> {
     let fits = |path: &Path| match purpose {
         PathUse::OpenModel | PathUse::OpenMesh => is_model_path(path),
         PathUse::OpenScene | PathUse::SaveScene => is_scene_path(path),
-        // Folders are listed anyway.
+        // Folders are always listed.
         PathUse::Collect => false,
         PathUse::OpenState | PathUse::SaveState => has_ending(path, "state"),
     };
@@ -319,7 +318,7 @@ fn entries(purpose: PathUse, text: &str) -> Vec<Entry> {
     let mut found: Vec<Entry> = all
         .filter_map(Result::ok)
         .filter_map(|entry| {
-            // A name that is no text cannot be typed.
+            // A name that is not valid Unicode cannot be typed.
             let name = entry.file_name().into_string().ok()?;
             let is_folder = entry.path().is_dir();
             let wanted = is_folder || fits(&entry.path());

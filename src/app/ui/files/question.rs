@@ -7,7 +7,7 @@ use super::state::{Question, Then};
 use super::{FileAction, FilesState, Wish};
 use crate::session::{Command, Status};
 
-/// A wish that would lose unsaved changes: it waits where there are some.
+/// Grants a wish that would lose unsaved changes, or asks first if there are any.
 pub(super) fn wish(wish: Wish, status: &Status, files: &mut FilesState) {
     if status.unsaved {
         files.question = Some(Question { then: Then::Grant(wish), saving: false });
@@ -16,18 +16,18 @@ pub(super) fn wish(wish: Wish, status: &Status, files: &mut FilesState) {
     }
 }
 
-/// Takes the commands that would lose unsaved changes out of what is sent.
+/// Takes commands that would lose unsaved changes out of the list, to ask first.
 pub(super) fn hold_back(status: &Status, files: &mut FilesState, commands: &mut Vec<Command>) {
     if !status.unsaved {
         return;
     }
-    // What follows was meant for the new scene: it waits too.
+    // The commands after it are meant for the new scene: they wait too.
     if let Some(first) = commands.iter().position(Command::replaces_scene) {
         files.question = Some(Question { then: Then::Do(commands.split_off(first)), saving: false });
     }
 }
 
-/// The question, when it is open.
+/// The question, if it is open.
 pub(super) fn question_ui(ui: &Ui, status: &Status, files: &mut FilesState, commands: &mut Vec<Command>) {
     let Some(mut question) = files.question.take() else { return };
     let mut answer = None;
@@ -68,7 +68,7 @@ pub(super) fn question_ui(ui: &Ui, status: &Status, files: &mut FilesState, comm
     }
 }
 
-/// Goes on with what waited, once a person chose to save and everything is saved.
+/// Continues with what waited, once a person has chosen to save and everything is saved.
 pub(super) fn release(status: &Status, files: &mut FilesState, commands: &mut Vec<Command>) {
     if !status.unsaved
         && let Some(question) = files.question.take_if(|question| question.saving)

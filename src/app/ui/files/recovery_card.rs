@@ -1,4 +1,4 @@
-//! What is offered after a crash: the scene as it was a few seconds before.
+//! The offer after a crash: the scene as it was a few seconds before.
 
 use egui::{Align2, RichText, Ui};
 
@@ -7,7 +7,7 @@ use super::{FileAction, UiState, Wish};
 use crate::app::ui::card::over_view;
 use crate::app::ui::theme;
 
-/// The offer, while there is one.
+/// The offer, while there is a draft.
 pub(super) fn recovery_card_ui(ui: &Ui, state: &mut UiState) {
     let Some(found) = state.files.found.clone() else { return };
     over_view(ui, "recovery", state.free_rect, Align2::RIGHT_TOP, |ui| {

@@ -1,4 +1,4 @@
-//! What the dialogs about files remember between frames.
+//! The state of the dialogs about files between frames.
 
 use std::path::{Path, PathBuf};
 
@@ -17,44 +17,44 @@ use crate::session::{Command, Status};
 /// A scene found after a crash.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoundDraft {
-    /// What it was called.
+    /// The scene's name.
     pub title: String,
-    /// When it was last kept, as a person says it: "14:32".
+    /// When it was last kept, in a person's words: "14:32".
     pub when: String,
 }
 
-/// What the dialogs about files remember between frames.
+/// The state of the dialogs about files between frames.
 #[derive(Debug, Default)]
 pub struct FilesState {
-    /// Where the camera stands; the window keeps it up to date.
+    /// The camera's place; the window keeps it up to date.
     pub camera: CameraSettings,
-    /// Scene files opened or saved lately, the last one first.
+    /// Scene files opened or saved recently, the most recent first.
     pub recent: Vec<PathBuf>,
     /// Where scenes and models were last looked for.
     pub folders: Folders,
-    /// What was found after a crash.
+    /// The draft found after a crash.
     pub found: Option<FoundDraft>,
-    /// What the window is to do.
+    /// Requests to the window.
     pub wishes: Vec<Wish>,
     pub(super) asked: Vec<FileAction>,
     pub(super) no_browser: bool,
     pub(super) dialog: Option<PathDialog>,
     pub(super) question: Option<Question>,
     pub(super) asks_to_overwrite: bool,
-    /// Refused saves that a person has answered.
+    /// The number of refused saves that a person has answered.
     pub(super) answered_refusals: u32,
     pub(super) model: Option<LoadModel>,
-    /// The model that was chosen to be an obstacle.
+    /// The model chosen to become an obstacle.
     pub(super) mesh: Option<PathBuf>,
 }
 
 impl FilesState {
-    /// Asks for something, by a menu, a key or the window's own buttons; it is answered with the next frame.
+    /// Requests an action, from a menu, a key or the window's own buttons. It begins in the next frame.
     pub fn ask(&mut self, action: FileAction) {
         self.asked.push(action);
     }
 
-    /// Whether a dialog is open, or will be with the next frame: keys are for it alone.
+    /// Whether a dialog is open, or will be in the next frame: keys are for it alone.
     pub fn is_open(&self) -> bool {
         let may_open = |action: &FileAction| {
             !matches!(action, FileAction::New | FileAction::OpenFile(_) | FileAction::Save | FileAction::Recover)
@@ -63,7 +63,7 @@ impl FilesState {
         open || self.asked.iter().any(may_open)
     }
 
-    /// The system's dialog was answered: a path, or nothing.
+    /// Takes the answer of the system's dialog: a path, or `None`.
     pub fn browsed(&mut self, purpose: PathUse, chosen: Option<&Path>) {
         if let (PathUse::OpenModel, Some(model), Some(path)) = (purpose, &mut self.model, chosen) {
             model.set(path);
@@ -89,43 +89,43 @@ impl FilesState {
         self.model.as_ref().is_some_and(|model| model.inset.has_wish())
     }
 
-    /// What the assistant wants its picture to be, once.
+    /// Takes the picture that the assistant wants drawn, if any.
     pub fn take_inset(&mut self) -> Option<InsetWish> {
         self.model.as_mut()?.inset.take_wish()
     }
 
-    /// The assistant's picture was drawn; none where the window has lost what it drew.
+    /// Sets the texture of the assistant's picture; `None` if the window has lost it.
     pub fn inset_drawn(&mut self, texture: Option<egui::TextureId>) {
         if let Some(model) = &mut self.model {
             model.inset.drawn(texture);
         }
     }
 
-    /// The work on a model has begun, ended or failed.
+    /// Sets the state of the work on a model.
     pub fn set_work(&mut self, work: Work) {
         if let Some(model) = &mut self.model {
             model.set_work(work);
         }
     }
 
-    /// The system has no dialog of its own to show.
+    /// Notes that the system has no dialog of its own.
     pub fn has_no_browser(&mut self) {
         self.no_browser = true;
     }
 
-    /// The folder that a dialog starts in: the one of the scene, or the last one.
+    /// The folder in which a dialog starts: that of the scene, or the last one used.
     pub(super) fn start_folder(&self, status: &Status) -> PathBuf {
         let own = status.file.as_ref().and_then(|file| file.parent()).map(Path::to_owned);
         first_folder([own, self.folders.scene.clone()])
     }
 
-    /// The folder that a dialog about models starts in: the last one, or that of scenes.
+    /// The folder in which a dialog about models starts: the last one used, or that of scenes.
     pub(super) fn model_folder(&self, status: &Status) -> PathBuf {
         first_folder([self.folders.model.clone(), Some(self.start_folder(status))])
     }
 }
 
-/// The first folder that is still there; where none is, the one the program was started in.
+/// The first folder that still exists; if there is none, the one in which the program was started.
 fn first_folder(known: [Option<PathBuf>; 2]) -> PathBuf {
     let there = known.into_iter().flatten().find(|folder| folder.is_dir());
     there.or_else(|| std::env::current_dir().ok()).unwrap_or_default()
@@ -136,9 +136,9 @@ fn first_folder(known: [Option<PathBuf>; 2]) -> PathBuf {
 pub(super) struct PathDialog {
     pub(super) purpose: PathUse,
     pub(super) field: PathField,
-    /// Where a scene file is to have its models.
+    /// Where a scene file keeps its models.
     pub(super) models: ModelPlace,
-    /// Whether a person can choose that.
+    /// Whether a person can choose the place of the models.
     pub(super) chooses_models: bool,
 }
 
@@ -148,22 +148,22 @@ impl PathDialog {
         Self { purpose, field: PathField::new(purpose, start), models: ModelPlace::Beside, chooses_models: false }
     }
 
-    /// A dialog that saves a scene; it offers the models' place that the scene's file has.
+    /// A dialog that saves a scene. It begins with the scene file's own place for models.
     pub(super) fn save_scene(start: &Path, status: &Status) -> Self {
         let (models, chooses_models) = (status.models, status.chooses_models);
         Self { models, chooses_models, ..Self::new(PathUse::SaveScene, start) }
     }
 }
 
-/// What waits for the answer.
+/// The question before unsaved changes are lost, and what waits for the answer.
 #[derive(Debug)]
 pub(super) struct Question {
     pub(super) then: Then,
-    /// A person chose to save: once everything is saved, it goes on.
+    /// Whether a person chose to save: once everything is saved, the rest follows.
     pub(super) saving: bool,
 }
 
-/// What goes on after the answer.
+/// What follows after the answer.
 #[derive(Debug)]
 pub(super) enum Then {
     Grant(Wish),

@@ -1,24 +1,24 @@
-//! What only the window can do.
+//! Requests that only the window can fulfil.
 
 use std::path::PathBuf;
 
 use super::path_field::PathUse;
 use crate::session::jellify::Wanted;
 
-/// What only the window can do.
+/// A request that only the window can fulfil.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wish {
     /// Show the system's own dialog; its answer goes to [`super::FilesState::browsed`].
     Browse(PathUse, PathBuf),
     /// Close the window.
     Quit,
-    /// Make a model into a body; [`super::FilesState::set_work`] hears of it.
+    /// Make a model into a body; the progress and the result go to [`super::FilesState::set_work`].
     Jellify(Box<Wanted>),
-    /// The body is no longer wanted.
+    /// Stop making a model into a body.
     StopJellifying,
-    /// Open what was found after a crash.
+    /// Open the draft found after a crash.
     Recover,
-    /// Throw away what was found after a crash.
+    /// Delete the draft found after a crash.
     DiscardFound,
     /// Empty the list of recent files.
     ForgetRecent,

@@ -1,4 +1,4 @@
-//! A body: its material live, where it is and where it starts, its shape in figures.
+//! A body: its material, its place and its start, its shape in numbers.
 
 use egui::{Button, RichText, Ui, vec2};
 
@@ -36,7 +36,7 @@ pub(super) fn body_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut
     section_ui(ui, "Shape", true, |ui| shape_ui(ui, id, body, running.status.bodies.get(id.0), state, commands));
 }
 
-/// How it meets other bodies and itself.
+/// Contact with other bodies and with itself.
 fn contact_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>) {
     let path = |what: &str| format!("bodies.{}.{what}", id.0);
     let mut changed = body.clone();
@@ -55,7 +55,7 @@ fn contact_ui(ui: &mut Ui, id: BodyId, body: &Body, commands: &mut Vec<Command>)
     interaction.send(|| Edit::Body(id, Box::new(changed)), commands);
 }
 
-/// What its motion is worked out from.
+/// The choice between cells and modes as the basis of its motion.
 fn moves_by_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, body: &Body, commands: &mut Vec<Command>) {
     let path = format!("bodies.{}.moves_by", id.0);
     let shown = words_of(body.moves_by, &MOVES_BY);
@@ -75,7 +75,7 @@ fn moves_by_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, body: &Body, comma
     ui.add(egui::Label::new(RichText::new(words).color(theme::of(ui).weak)).wrap());
 }
 
-/// How often a body swings, as a sentence.
+/// The frequencies of a body, as a sentence.
 fn frequency_words(modes_hz: &[f64]) -> String {
     const FIRST: usize = 4;
     let first = modes_hz.iter().take(FIRST).map(|hz| three_digits(*hz)).collect::<Vec<_>>().join(", ");

@@ -1,4 +1,4 @@
-//! Brushes over the cells of a body: the list of those that change them, and a button for one of another kind.
+//! Brushes over the cells of a body: the list of brushes that add or remove cells, and a button for each other brush.
 
 use egui::{Button, ComboBox, Ui};
 
@@ -14,7 +14,7 @@ use crate::session::Command;
 const BRUSH: &str = "Press or drag over the body in the view: a cell is put on every face that is drawn over, or taken away. \
                      Ctrl does the other; Escape puts the brush down.";
 
-/// The brush over its cells: none, or one that adds or takes away. A model is drawn as its cells for it.
+/// The choice of a brush that adds or removes cells. A model is then drawn as its cells.
 pub(super) fn brush_ui(ui: &mut Ui, id: BodyId, body: &Body, state: &mut UiState, commands: &mut Vec<Command>) {
     let words = |change| match change {
         None => "none",
@@ -43,7 +43,7 @@ pub(super) fn brush_ui(ui: &mut Ui, id: BodyId, body: &Body, state: &mut UiState
     });
 }
 
-/// A button that takes a brush, or puts it down where it is in the hand. Says whether it was taken.
+/// A button that takes a brush, or puts it down if it is in use. Returns whether the brush was taken.
 pub(super) fn brush_button_ui(ui: &mut Ui, label: &str, tip: &str, brush: Brush, state: &mut UiState) -> bool {
     let is_held = state.brush == Some(brush);
     let button = ui.add(Button::selectable(is_held, label).frame_when_inactive(true));

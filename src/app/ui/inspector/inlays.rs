@@ -1,4 +1,4 @@
-//! Parts of a body that are of other materials of its form, in boxes and by the brush.
+//! Inlays: parts of a body with other materials of the same kind, in boxes and painted by the brush.
 
 use egui::{RichText, Ui};
 
@@ -20,9 +20,9 @@ const NEW: &str = "Makes a part of the body be of another material: the cells in
 const PAINT: &str = "Press or drag over the body in the view: the cells under the pointer become part of the inlay. Ctrl takes them \
                      out again; Escape puts the brush down. The colours show how stiff every part is.";
 const BOX: &str = "Along the axes of the body, from its middle; it begins as the upper half";
-/// A box without a cell.
+/// A box that contains no cell.
 const NO_BOX: ([f64; 3], [f64; 3]) = ([0.0; 3], [-1.0; 3]);
-/// What a person reads of an inlay to be taken away.
+/// The words for removing an inlay.
 const NONE: &str = "as the body (removes it)";
 
 /// The inlays of a body, and a button for one more.
@@ -111,7 +111,7 @@ fn paint_ui(
     });
 }
 
-/// An inlay to begin with: a solid that is not that of the body or softer springs, without a cell until it has a box or is painted.
+/// A new inlay: a solid other than the body's, or softer springs. It has no cell until it gets a box or is painted.
 fn new(body: &Body) -> Inlay {
     let (min, max) = NO_BOX;
     let without = Inlay { min, max, ..Inlay::default() };
@@ -125,7 +125,7 @@ fn new(body: &Body) -> Inlay {
     }
 }
 
-/// Whether there may be cells in its box.
+/// Whether its box may contain cells.
 fn has_box(inlay: &Inlay) -> bool {
     inlay.min.iter().zip(&inlay.max).all(|(min, max)| min <= max)
 }

@@ -1,4 +1,4 @@
-//! The light and the lens: how the scene is looked at.
+//! The light and the lens with which the scene is seen.
 
 use std::ops::RangeInclusive;
 
@@ -30,7 +30,7 @@ pub(super) fn light_ui(ui: &mut Ui, scene: &Scene, commands: &mut Vec<Command>) 
     interaction.send(|| Edit::View(ViewSettings { camera, light, ..old.clone() }), commands);
 }
 
-/// The direction as two angles: around, and above the horizon.
+/// The direction as two angles: around the vertical, and above the horizon.
 fn direction_ui(ui: &mut Ui, light: &mut LightSettings) -> Interaction {
     let [x, y, z] = DVec3::from(light.direction).normalize_or(DVec3::Y).to_array();
     let (mut around, mut above) = (x.atan2(z).to_degrees(), y.clamp(-1.0, 1.0).asin().to_degrees());
@@ -89,15 +89,15 @@ fn label_ui(ui: &mut Ui, text: &str) {
     });
 }
 
-/// How a value is shown.
+/// How a number is shown.
 #[derive(Clone, Copy)]
 struct Rounding {
     decimals: usize,
     unit: &'static str,
 }
 
-/// A slider in round steps. The value itself is rounded only by the hand that moves it: what is shown, or entered as it
-/// stood, is no change.
+/// A slider in round steps. Only dragging or typing rounds the value: showing it, or entering the text as shown, changes
+/// nothing.
 fn rounded_ui(
     ui: &mut Ui,
     label: &str,

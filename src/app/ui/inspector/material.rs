@@ -1,4 +1,4 @@
-//! What a body is made of: springs with their seven values or a solid by its name, and how far each value may go.
+//! The material of a body: springs with their seven values, or a solid by its name, with the safe bound of each value.
 
 use egui::{ComboBox, RichText, Ui};
 
@@ -19,12 +19,12 @@ use crate::scene::own_weight::largest_cube;
 use crate::scene::{Body, Material, Solid, Springs};
 use crate::session::Command;
 
-/// What a person reads of springs.
+/// The words for springs.
 const SPRINGS: &str = "springs, seven values";
-/// What a person reads of a solid whose values have no name.
+/// The words for a solid that is none of the named ones.
 const SOLID: &str = "a solid of your own";
 
-/// The part of the panel.
+/// The material's part of the panel.
 pub(super) fn material_ui(
     ui: &mut Ui,
     id: BodyId,
@@ -52,14 +52,14 @@ pub(super) fn material_ui(
     inlays_ui(ui, id, running, state, safe, commands);
 }
 
-/// What was chosen from the list.
+/// The choice from the list.
 enum Choice {
-    /// Springs for a solid, a solid for springs.
+    /// Springs instead of a solid, or a solid instead of springs.
     OtherForm,
     Named(&'static MaterialPreset),
 }
 
-/// The list of materials; what was chosen, if anything was.
+/// The list of materials. Returns the choice, if one was made.
 fn choice_ui(ui: &mut Ui, now: &Material, gravity: [f64; 3]) -> Option<Choice> {
     let mut chosen = None;
     let named = name_of(now);
@@ -114,7 +114,7 @@ fn choice_ui(ui: &mut Ui, now: &Material, gravity: [f64; 3]) -> Option<Choice> {
     chosen
 }
 
-/// The named solid that a material is.
+/// The named solid with the values of a material, if there is one.
 fn name_of(material: &Material) -> Option<&'static MaterialPreset> {
     let Material::Solid(solid) = material else { return None };
     presets().iter().find(|preset| preset.material == *solid)

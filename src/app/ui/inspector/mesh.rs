@@ -1,4 +1,4 @@
-//! The place of an obstacle that is a mesh.
+//! The place of an obstacle with a mesh.
 
 use egui::{Label, RichText, Ui};
 
@@ -7,7 +7,7 @@ use crate::app::ui::value::{AXES, Interaction, field_ui, vector_ui};
 use crate::scene::builtin;
 use crate::scene::obstacle::Mesh;
 
-/// What the mesh is, and its place.
+/// The name and kind of the mesh, and its place.
 pub(super) fn mesh_ui(ui: &mut Ui, path: impl Fn(&str) -> String, mesh: &mut Mesh) -> Interaction {
     let name = mesh.path.strip_prefix(builtin::PREFIX).unwrap_or(&mesh.path);
     let name = name.rsplit(['/', '\\']).next().unwrap_or(name);

@@ -1,5 +1,5 @@
-//! The panel on the right: the values of what is chosen, or of the scene where nothing is. Every change is an edit of
-//! one node; the panel itself keeps nothing.
+//! The panel on the right: the values of the selected thing, or of the scene if nothing is selected. Every change is an edit
+//! of one node; the panel itself has no state.
 
 mod body;
 mod brush;

@@ -1,4 +1,4 @@
-//! How a body's model is filled with cells. Every change fills it anew; what moves goes on.
+//! How a body's model is filled with cells. Every change fills it again while the body keeps moving.
 
 use egui::{Label, Ui};
 
@@ -20,7 +20,7 @@ const BY_HAND: &str =
 
 const PREVIEW: &str = "Cells, speed and what cells lose of the model, before anything is changed";
 
-/// Divisions, length, and which cells there are.
+/// Divisions, length, and the choice of cells.
 pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, files: &mut FilesState, commands: &mut Vec<Command>) {
     let Shape::Model(old) = &body.shape else { return };
     let path = |what: &str| format!("bodies.{}.shape.model.{what}", id.0);
@@ -34,7 +34,7 @@ pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, files: &mut FilesSt
     if whole == old.divisions {
         interaction.send(|| edit(model), commands);
     } else {
-        // Cells of another size are others.
+        // Cells of another size are different cells.
         model = ModelShape { divisions: whole, ..model.without_changes() };
         interaction.send(|| Edit::Body(id, Box::new(body.with_other_cells(Shape::Model(model)))), commands);
     }
@@ -53,7 +53,7 @@ pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, files: &mut FilesSt
         files.refill(id, old.clone());
     }
     by_hand_ui(ui, old, || edit(old.without_changes()), commands);
-    // Particles of springs weigh what they are said to.
+    // With springs, the mass of particles is a value of its own.
     if let Material::Solid(_) = body.material {
         let shown = words_of(old.mass_from, &MASS_FROM);
         if let Some(mass_from) = choice_ui(ui, &path("mass_from"), "Mass from", old.mass_from, shown, &MASS_FROM) {
@@ -62,7 +62,7 @@ pub(super) fn model_ui(ui: &mut Ui, id: BodyId, body: &Body, files: &mut FilesSt
     }
 }
 
-/// How many cells were changed by hand, and a button that has the model's own again.
+/// The number of cells changed by hand, and a button that restores the model's own cells.
 fn by_hand_ui(ui: &mut Ui, model: &ModelShape, edit: impl FnOnce() -> Edit, commands: &mut Vec<Command>) {
     let [more, less] = [model.attached.len(), model.erased.len()];
     if more + less == 0 {

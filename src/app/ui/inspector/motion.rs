@@ -1,4 +1,4 @@
-//! How an obstacle moves by itself.
+//! The motion of an obstacle.
 
 use egui::{ComboBox, Ui};
 

@@ -1,4 +1,4 @@
-//! An obstacle: form, place, and how bodies meet it.
+//! An obstacle: its form, its place, and its contact with bodies.
 
 use egui::Ui;
 
@@ -12,7 +12,7 @@ use crate::scene::obstacle::{Capsule, ContactStiffness, Cylinder};
 use crate::scene::{Obstacle, ObstacleShape, Scene};
 use crate::session::Command;
 
-/// What a person begins with who gives the stiffness by hand, N/m.
+/// The first value when a person switches to a stiffness by hand, N/m.
 const STIFFNESS: f64 = 1000.0;
 
 /// The panel of an obstacle.

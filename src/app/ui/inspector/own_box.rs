@@ -1,4 +1,4 @@
-//! The two corners of a box along the axes of a body, which is marked in the view while a person is at them.
+//! The two corners of a box along the axes of a body. The box is marked in the view while a person edits them.
 
 use egui::Ui;
 
@@ -7,7 +7,7 @@ use crate::app::ui::value::{AXES, Interaction, vector_ui};
 use crate::scene::edit::BodyId;
 use crate::session::BoxOfBody;
 
-/// Changes the corners of a box; `path` leads to it in the scene.
+/// Changes the corners of a box; `path` is its path in the scene.
 pub(super) fn own_box_ui(
     ui: &mut Ui,
     body: BodyId,

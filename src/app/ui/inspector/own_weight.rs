@@ -1,5 +1,5 @@
-//! A material that cannot carry a body of this size: what will happen is said before it is taken, with another size as
-//! the other choice.
+//! The question before a material is given to a body that is too large for it: it says what will happen, and offers another
+//! size.
 
 use egui::{Button, RichText, Ui, vec2};
 
@@ -14,7 +14,7 @@ use crate::scene::own_weight::Stature;
 use crate::scene::{Body, Material, Scene};
 use crate::session::{BodyStatus, Command};
 
-/// Gives a body a named material; asks first where the body would collapse.
+/// Gives a body a named material, or asks first if the body would collapse.
 pub(super) fn choose(
     id: BodyId,
     preset: &'static MaterialPreset,
@@ -31,12 +31,12 @@ pub(super) fn choose(
     }
 }
 
-/// Takes the question away when something else is chosen.
+/// Closes the question when something else is selected.
 pub(super) fn forget_unless(chosen: Option<Target>, state: &mut UiState) {
     state.too_heavy.take_if(|heavy| chosen != Some(Target::Body(heavy.body)));
 }
 
-/// The question, while it is open for this body.
+/// The question, while it is open.
 pub(super) fn own_weight_ui(
     ui: &mut Ui,
     id: BodyId,

@@ -1,4 +1,4 @@
-//! What the parts of a model are made of, by the names in its file.
+//! The materials of a model's parts, by the names in its file.
 
 use egui::{ComboBox, RichText, Ui};
 
@@ -13,12 +13,12 @@ use crate::scene::material::presets;
 use crate::scene::{Body, Material, Solid};
 use crate::session::Command;
 
-/// What a person reads of a part that is of nothing else.
+/// The words for a part without a material of its own.
 const AS_THE_BODY: &str = "as the body";
-/// What a person reads of a solid whose values have no name.
+/// The words for a solid that is none of the named ones.
 const OWN: &str = "a solid of its own";
 
-/// A row for each part of a model, where its file names several.
+/// A row for each part of a model, if its file names several.
 pub(super) fn parts_ui(
     ui: &mut Ui,
     id: BodyId,
@@ -69,7 +69,7 @@ pub(super) fn parts_ui(
     }
 }
 
-/// The list of solids of a part, with words for none; what was chosen, if anything was.
+/// The list of solids for a part, with the words `none` for no solid. Returns the choice, if one was made.
 #[expect(clippy::option_option, reason = "whether something was chosen, and whether it was a solid")]
 pub(super) fn solid_choice_ui(
     ui: &mut Ui,

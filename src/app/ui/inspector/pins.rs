@@ -1,4 +1,4 @@
-//! What of a body is held: boxes, and cells by the brush.
+//! The pins of a body: boxes, and cells painted by the brush.
 
 use egui::{RichText, Ui};
 
@@ -57,7 +57,7 @@ pub(super) fn pins_ui(ui: &mut Ui, id: BodyId, running: Running<'_>, state: &mut
     }
 }
 
-/// Marks what is held in the view.
+/// Switches on the overlay that marks pins in the view.
 fn show_pins(view: &ViewSettings, commands: &mut Vec<Command>) {
     if !view.overlays.pins {
         let mut view = view.clone();
@@ -66,7 +66,7 @@ fn show_pins(view: &ViewSettings, commands: &mut Vec<Command>) {
     }
 }
 
-/// The top of a body of these extents, m, and somewhat more around it.
+/// A box around the top of a body of these extents, m, a little larger than the body.
 fn top(size_m: [f64; 3]) -> PinBox {
     let [x, y, z] = size_m.map(|extent| 0.5 * extent);
     let beyond = 0.1 * y;

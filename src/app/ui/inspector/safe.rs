@@ -1,10 +1,10 @@
-//! How far the values of a body's materials may go before a step has to be divided, as their sliders show it.
+//! Bounds on the values of a body's materials up to which no step has to be divided, for their sliders.
 
 use crate::app::ui::value::Bound;
 use crate::scene::param;
 use crate::session::SafeValue;
 
-/// How far the values of a body's materials may go.
+/// The safe bounds on the values of a body's materials.
 #[derive(Clone, Copy)]
 pub(super) struct Safe<'a>(&'a [SafeValue]);
 
@@ -13,8 +13,8 @@ impl<'a> Safe<'a> {
         Self(values)
     }
 
-    /// The bound of a value; `None` where its whole range is safe, and where none of it is: then another value is to
-    /// blame, whose track shows it.
+    /// The bound of a value. `None` if its whole range is safe, or none of it: then another value is to blame, and that
+    /// one's track shows the bound.
     pub(super) fn bound(self, path: &str) -> Option<Bound> {
         let below_body = path.splitn(3, '.').nth(2)?;
         let safe = self.0.iter().find(|safe| safe.is_at(below_body))?;

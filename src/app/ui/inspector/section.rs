@@ -1,4 +1,4 @@
-//! A heading of the inspector, under which what belongs to it can be folded away.
+//! A heading of the inspector with contents that can be folded away.
 
 use egui::{CollapsingHeader, RichText, Ui};
 

@@ -1,4 +1,4 @@
-//! The scene as a whole: gravity, the step, who answers for it, how obstacles push back.
+//! The scene as a whole: gravity, the time step, the scheme, automatic stepping, contact.
 
 use egui::{ComboBox, Label, Response, RichText, Ui, vec2};
 
@@ -63,7 +63,7 @@ pub(super) fn settings_ui(ui: &mut Ui, running: Running<'_>, commands: &mut Vec<
     ui.label(RichText::new("Click a body or an obstacle to change it.").color(theme::of(ui).weak));
 }
 
-/// How long a step may be, in words.
+/// The largest safe step, in words.
 fn limit_words(status: &Status) -> String {
     if !status.integrator.has_stable_step() {
         return format!("no step is safe with {}", status.integrator.words());
@@ -74,7 +74,7 @@ fn limit_words(status: &Status) -> String {
     format!("safe up to {}", limit_text(status.dt_safe_secs))
 }
 
-/// A parameter that is on or off. Says whether it was changed.
+/// A checkbox for a parameter. Returns whether it was changed.
 pub(super) fn flag_ui(ui: &mut Ui, path: &str, label: &str, on: &mut bool) -> bool {
     let response = ui.checkbox(on, label);
     let changed = response.changed();
@@ -84,7 +84,7 @@ pub(super) fn flag_ui(ui: &mut Ui, path: &str, label: &str, on: &mut bool) -> bo
     changed
 }
 
-/// What there is to know of the value above.
+/// A note about the value above.
 fn note_ui(ui: &mut Ui, words: &str) {
     ui.add(Label::new(RichText::new(words).color(theme::of(ui).weak).small()).wrap());
 }
@@ -93,7 +93,7 @@ pub(super) fn words_of<'a, T: Copy + PartialEq>(value: T, all: &[(T, &'a str)]) 
     all.iter().find(|(other, _)| *other == value).map_or("", |(_, words)| words)
 }
 
-/// A choice among a few, of which `now` is chosen and `shown` stands for it; what was chosen, if anything was.
+/// A choice among a few values; `now` is the present one, and `shown` its text. Returns the choice, if one was made.
 pub(super) fn choice_ui<T: Copy + PartialEq>(
     ui: &mut Ui,
     path: &str,
@@ -120,7 +120,7 @@ pub(super) fn choice_ui<T: Copy + PartialEq>(
     chosen
 }
 
-/// The name of a row that is no parameter.
+/// The name of a row without a parameter.
 pub(super) fn name_ui(ui: &mut Ui, name: &str) -> Response {
     let name = |ui: &mut Ui| {
         ui.set_min_width(LABEL_WIDTH);

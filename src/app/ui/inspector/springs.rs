@@ -1,4 +1,4 @@
-//! The seven values of springs: of a body, and of what within it is of springs of its own.
+//! The seven values of springs: those of a body, and those of its parts with springs of their own.
 
 use egui::{CollapsingHeader, ComboBox, RichText, Ui};
 
@@ -8,10 +8,10 @@ use crate::app::ui::theme;
 use crate::app::ui::value::{Bound, Interaction, LABEL_WIDTH, slider_ui};
 use crate::scene::{Family, Springs};
 
-/// What a person reads of a part that is of springs of its own.
+/// The words for a part with springs of its own.
 const OWN: &str = "springs of its own";
 
-/// The values with a slider each; `path` is that of the springs, and `bound` says how far the value of a path may go.
+/// The values, each with a slider. `path` is that of the springs; `bound` returns the safe bound of the value at a path.
 pub(super) fn springs_ui(
     ui: &mut Ui,
     path: &str,
@@ -43,7 +43,7 @@ fn family_title(family: Family) -> &'static str {
     }
 }
 
-/// Whether a part of a body of springs has some of its own, or is of what the words `none` say; what was chosen, if anything.
+/// The choice whether a part has springs of its own; `none` are the words if not. Returns the choice, if one was made.
 pub(super) fn springs_choice_ui(ui: &mut Ui, name: &str, now: bool, none: &'static str) -> Option<bool> {
     let mut chosen = None;
     ui.horizontal(|ui| {
@@ -62,7 +62,7 @@ pub(super) fn springs_choice_ui(ui: &mut Ui, name: &str, now: bool, none: &'stat
     chosen
 }
 
-/// The values of such a part, which can be folded away.
+/// The springs of a part, which can be folded away.
 pub(super) fn own_springs_ui(
     ui: &mut Ui,
     name: &str,
@@ -78,7 +78,7 @@ pub(super) fn own_springs_ui(
     interaction
 }
 
-/// Springs for a part to begin with: it bends at once, and no step has to be shorter for it.
+/// Springs to begin with for a part: softer, so that it visibly bends, and no step has to become shorter.
 pub(super) fn softer(own: &Springs) -> Springs {
     let mut springs = *own;
     for family in Family::ALL {
@@ -88,7 +88,7 @@ pub(super) fn softer(own: &Springs) -> Springs {
     springs
 }
 
-/// The name of a part before what it is made of.
+/// The name of a part, before its material.
 pub(super) fn within_label_ui(ui: &mut Ui, name: &str) -> egui::Id {
     let size = egui::vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
     let label = ui.allocate_ui(size, |ui| {

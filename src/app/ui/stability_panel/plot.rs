@@ -1,5 +1,5 @@
-//! The map of the stability panel: stiffness over damping, both per unit mass and logarithmic. What is predicted is drawn
-//! from the formula; what was measured lies over it as cells, by how soon they blow up.
+//! The map of the stability panel: stiffness over damping, both per unit mass and logarithmic. The predicted zones are drawn
+//! from the formula. A measured map is drawn in their place, as cells coloured by how soon they blow up.
 
 use egui::epaint::{Mesh, Vertex};
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
@@ -11,17 +11,17 @@ use crate::app::ui::theme;
 use crate::scene::Body;
 use crate::session::stability_map::{Place, PlaneShown, StabilityMap, Zone};
 
-/// The width of what is explained on the right, points.
+/// The width of the explanations on the right, points.
 const NAMES: f32 = 190.0;
-/// Of the dot, points.
+/// The radius of the dot, points.
 const RADIUS: f32 = 5.0;
-/// The least size of a map that can be read, points.
+/// The least legible size of a map, points.
 const LEAST: egui::Vec2 = vec2(160.0, 90.0);
-/// How opaque a zone that is predicted is and a cell that was measured, 0 to 1.
+/// Opacities of a predicted zone and of a measured cell, 0 to 1.
 const ZONE: f32 = 0.16;
 const CELL: f32 = 0.6;
 
-/// Draws the map and says which place was clicked.
+/// Draws the map. Returns the place that was clicked.
 pub(super) fn plot_ui(ui: &mut Ui, shown: &PlaneShown, body: &Body, measured: Option<&StabilityMap>) -> Option<Place> {
     let (whole, _) = ui.allocate_exact_size(ui.available_size().max(LEAST), Sense::hover());
     let names = if whole.width() > 2.5 * NAMES { NAMES } else { 0.0 };
@@ -57,13 +57,13 @@ fn place(axes: &LogAxes, pointer: Pos2) -> Place {
     Place { damping, stiffness }
 }
 
-/// The nearest place on the map: a value of zero is infinitely far away.
+/// The nearest place inside the map: a value of zero is infinitely far away on a logarithmic axis.
 fn inside(inner: Rect, at: Pos2) -> Pos2 {
     let finite = |value: f32, low: f32| if value.is_finite() { value } else { low };
     inner.clamp(pos2(finite(at.x, inner.left()), finite(at.y, inner.bottom())))
 }
 
-/// What a place is worth.
+/// The values and the stability at a place.
 fn words(shown: &PlaneShown, body: &Body, measured: Option<&StabilityMap>, at: Place) -> String {
     let values = values_words(&shown.moved(body, at), shown.family());
     let predicted = predicted_words(shown.zone(at), shown.step().integrator.has_stable_step());
@@ -79,7 +79,7 @@ fn words(shown: &PlaneShown, body: &Body, measured: Option<&StabilityMap>, at: P
     format!("{values}\n{stiffness} 1/s², {damping} 1/s\nPredicted: {predicted}.{measured}")
 }
 
-/// The steps that the nearest measured place survived.
+/// The number of steps that the nearest measured place survived.
 fn survived(map: &StabilityMap, at: Place) -> Option<usize> {
     let nearest = |values: &[f64], value: f64| {
         let far = |index: &usize| (values[*index] / value).ln().abs();
@@ -89,7 +89,7 @@ fn survived(map: &StabilityMap, at: Place) -> Option<usize> {
     column.survived.get(nearest(&map.stiffness, at.stiffness)?).copied()
 }
 
-/// The predicted zones, each in the colour of what becomes of the body.
+/// The predicted zones, each in the colour of its stability.
 fn zones(ui: &Ui, axes: &LogAxes, shown: &PlaneShown) {
     let colors = theme::of(ui);
     let (top, bottom) = (axes.inner.top(), axes.inner.bottom());
@@ -109,7 +109,7 @@ fn zones(ui: &Ui, axes: &LogAxes, shown: &PlaneShown) {
     }
 }
 
-/// The part of a zone between two places across.
+/// The part of a zone between two neighbouring values on the horizontal axis.
 fn band(ui: &Ui, across: [f32; 2], [above, below]: [[f32; 2]; 2], color: Color32) {
     let mut mesh = Mesh::default();
     let color = color.gamma_multiply(ZONE);
@@ -120,7 +120,7 @@ fn band(ui: &Ui, across: [f32; 2], [above, below]: [[f32; 2]; 2], color: Color32
     ui.painter().add(Shape::mesh(mesh));
 }
 
-/// What was measured, a cell for every place.
+/// The measured map, one cell per place.
 fn cells(ui: &Ui, axes: &LogAxes, map: &StabilityMap) {
     let painter = ui.painter().with_clip_rect(axes.inner);
     let edges = |values: &[f64], index: usize| {
@@ -137,7 +137,7 @@ fn cells(ui: &Ui, axes: &LogAxes, map: &StabilityMap) {
     }
 }
 
-/// From red where it blows up at once to yellow where it takes long; another colour where it stays.
+/// From red, if the body blows up at once, to yellow, if that takes long; another colour if it stays.
 fn color_of(ui: &Ui, survived: usize, watched: usize) -> Color32 {
     let colors = theme::of(ui);
     if survived >= watched {
@@ -147,7 +147,7 @@ fn color_of(ui: &Ui, survived: usize, watched: usize) -> Color32 {
     colors.error.lerp_to_gamma(colors.warning, share).gamma_multiply(CELL)
 }
 
-/// The borders: what is predicted as a line, with the margin as a broken one; what was measured.
+/// The borders: the predicted one as a line, with the margin as a dashed line, and the measured one.
 fn borders(ui: &Ui, axes: &LogAxes, shown: &PlaneShown, measured: Option<&StabilityMap>) {
     let painter = ui.painter().with_clip_rect(axes.inner);
     let line = |of: &[Place]| -> Vec<Pos2> {
@@ -167,7 +167,7 @@ fn borders(ui: &Ui, axes: &LogAxes, shown: &PlaneShown, measured: Option<&Stabil
     }
 }
 
-/// A line that leaves the map goes on a little way outside of it, where it is not seen.
+/// A point of a line, moved at most a little outside the map, where it is not seen.
 fn below_edge(axes: &LogAxes, at: Pos2) -> Pos2 {
     let outside = axes.inner.expand(4.0);
     inside(outside, at)
@@ -187,7 +187,7 @@ fn dot_ui(ui: &Ui, at: Pos2) {
     ui.painter().circle_filled(at, RADIUS, colors.accent);
 }
 
-/// What the lines and colours are.
+/// The explanations of lines and colours.
 fn explain(ui: &Ui, first: Pos2, shown: &PlaneShown, is_measured: bool) {
     let (painter, colors) = (ui.painter(), theme::of(ui));
     let has_stable_step = shown.step().integrator.has_stable_step();
@@ -222,7 +222,7 @@ fn explain(ui: &Ui, first: Pos2, shown: &PlaneShown, is_measured: bool) {
         row("blows up at once", &square(color_of(ui, 1, 100)));
     } else {
         let zones = [(Zone::Safe, colors.good), (Zone::Stable, colors.warning), (Zone::Unstable, colors.error)];
-        // Without a stable step the first two are one.
+        // Without a stable step, the first two zones are one.
         for (zone, color) in zones.into_iter().skip(usize::from(!has_stable_step)) {
             row(predicted_words(zone, has_stable_step), &square(color.gamma_multiply(2.0 * ZONE)));
         }

@@ -1,11 +1,11 @@
-//! What the stability panel says of a body's place on the map.
+//! The words of the stability panel about a body's place on the map.
 
 use crate::app::ui::figure::rounded_figure;
 use crate::scene::{Body, Family, Material};
 use crate::session::stability_map::{PlaneShown, StabilityMap, Zone};
 use crate::session::step_words::step_text;
 
-/// Whose values the axes are.
+/// Whose values are on the axes.
 pub(super) fn whose_words(name: &str, family: Option<Family>, limiting: Option<Family>) -> String {
     match (family, limiting) {
         (Some(family), Some(limiting)) if family != limiting => {
@@ -19,7 +19,7 @@ pub(super) fn whose_words(name: &str, family: Option<Family>, limiting: Option<F
     }
 }
 
-/// Where the body stands, and what becomes of it.
+/// The body's place on the map, and its stability there.
 pub(super) fn now_words(shown: &PlaneShown, body: &Body, zone: Zone, is_manual: bool) -> String {
     let asked = shown.step();
     let step = format!("{}, {}", asked.integrator.words(), step_text(asked.dt_secs));
@@ -36,7 +36,7 @@ pub(super) fn now_words(shown: &PlaneShown, body: &Body, zone: Zone, is_manual: 
     format!("Now {} with {step}: {becomes}.", values_words(body, shown.family()))
 }
 
-/// What becomes of a body at a place of the map.
+/// The stability at a place of the map.
 pub(super) fn predicted_words(zone: Zone, has_stable_step: bool) -> &'static str {
     match (zone, has_stable_step) {
         (Zone::Safe, true) => "stable, with margin",

@@ -1,4 +1,4 @@
-//! What is said of a parameter: its name with its help, and a hint where a typed value is wrong.
+//! The explanations of a parameter: its name with its help, and a hint at a typed value that is wrong.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ use crate::scene::param::Param;
 /// Width of a label, points.
 pub(in crate::app::ui) const LABEL_WIDTH: f32 = 92.0;
 
-/// A label that says what the parameter is when the pointer rests on it; a long one takes two lines.
+/// A label with the help of the parameter as its tooltip; a long one takes two lines.
 pub(in crate::app::ui) fn label_ui(ui: &mut Ui, label: &str, param: &Param) -> Response {
     let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
     let text = egui::Label::new(RichText::new(label).color(theme::of(ui).weak)).wrap();
@@ -25,7 +25,7 @@ pub(in crate::app::ui) fn label_ui(ui: &mut Ui, label: &str, param: &Param) -> R
     response
 }
 
-/// What a parameter is, what it may be, and what it is by default.
+/// The help of a parameter, its range and its default.
 pub(in crate::app::ui) fn help(param: &Param) -> String {
     let default = param.default_value().map_or_else(String::new, |default| {
         let text = default.as_f64().map_or_else(|| default.to_string(), figure);
@@ -35,10 +35,10 @@ pub(in crate::app::ui) fn help(param: &Param) -> String {
     format!("{}\n{}{default}", param.help, param.range_text())
 }
 
-/// What is wrong with a typed value is said for so long, s: the value has stayed as it was.
+/// How long the hint at a typed value stays, s: the value itself has not changed.
 const HINT_SECS: f64 = 12.0;
 
-/// Writes or forgets what is wrong with a typed value.
+/// Sets or removes the hint at a typed value.
 pub(super) fn hint(ui: &Ui, id: Id, text: Option<String>) {
     let now = ui.input(|input| input.time);
     ui.data_mut(|data| match text {

@@ -10,18 +10,18 @@ use crate::session::Command;
 pub(in crate::app::ui) struct Interaction {
     /// A value has changed.
     pub(in crate::app::ui) changed: bool,
-    /// A change is finished: what comes next is another one.
+    /// A change is finished: a later one is another change.
     pub(in crate::app::ui) ended: bool,
 }
 
 impl Interaction {
-    /// Also what another widget saw.
+    /// Adds the interaction with another widget.
     pub(in crate::app::ui) fn and(&mut self, other: Self) {
         self.changed |= other.changed;
         self.ended |= other.ended;
     }
 
-    /// Asks for an edit where something has changed, and for its end where that is finished.
+    /// Sends the edit if a value has changed, and its end if the change is finished.
     pub(in crate::app::ui) fn send(self, edit: impl FnOnce() -> Edit, commands: &mut Vec<Command>) {
         if self.changed {
             commands.push(Command::Edit(edit()));
@@ -32,7 +32,7 @@ impl Interaction {
     }
 }
 
-/// The value under the pointer while it is dragged: the sandbox answers a frame later, and must not pull it back.
+/// The value during a drag: the sandbox answers a frame later, and must not pull the knob back.
 pub(super) fn held(ui: &Ui, id: Id) -> Option<f64> {
     ui.data(|data| data.get_temp(id.with("held")))
 }

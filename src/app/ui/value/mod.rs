@@ -1,6 +1,5 @@
-//! One number and how a person changes it: by dragging along a track, by the wheel and by arrow keys, by typing, by a
-//! double click that brings the default back. Label, unit, range, scale and help come from the parameter's one
-//! definition.
+//! A number and the ways to change it: dragging along a track, the wheel, arrow keys, typing, and a double click that
+//! restores the default. Label, unit, range, scale and help come from the parameter's single definition.
 
 mod help;
 mod interaction;
@@ -25,7 +24,7 @@ pub(super) fn field_ui(ui: &mut Ui, path: &str, label: &str, value: &mut f64) ->
     vector_ui(ui, path, label, &[""], std::slice::from_mut(value))
 }
 
-/// Several numbers in a row, each with its own short name.
+/// Several numbers in a row, each with a short name of its own.
 pub(super) fn vector_ui(ui: &mut Ui, path: &str, label: &str, names: &[&str], values: &mut [f64]) -> Interaction {
     let Some(param) = param::find(path) else {
         debug_assert!(false, "{path} is a parameter");
@@ -34,7 +33,7 @@ pub(super) fn vector_ui(ui: &mut Ui, path: &str, label: &str, names: &[&str], va
     let id = ui.scope_id().with((path, label));
     let mut interaction = Interaction::default();
     ui.horizontal(|ui| {
-        // Three units would not fit beside three numbers.
+        // Three units do not fit beside three numbers.
         let unit = if param.unit.is_empty() { String::new() } else { format!(", {}", param.unit) };
         label_ui(ui, &format!("{label}{unit}"), param);
         ui.spacing_mut().item_spacing.x = 4.0;

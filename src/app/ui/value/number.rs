@@ -18,7 +18,7 @@ pub(super) const NUMBER_WIDTH: f32 = 100.0;
 /// Room between a number and the edges of its box, points.
 const NUMBER_PADDING: f32 = 4.0;
 
-/// A number to type or to drag slowly. A value that is not allowed is refused and a hint says what would be.
+/// A number to type or to drag slowly. A value outside the range is refused, and a hint names the range.
 pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &str, value: &mut f64) -> Interaction {
     let Some((min, max)) = ends(param) else { return Interaction::default() };
     let whole = matches!(param.kind, Kind::Integer { .. });
@@ -31,13 +31,13 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
     };
     let refused = RefCell::new(None);
     let understood = |text: &str| {
-        // The unit may stand elsewhere, once for several numbers.
+        // The unit may be shown elsewhere, once for several numbers.
         let value = parse(text, param.unit);
         *refused.borrow_mut() = value.is_none().then(|| text.trim().to_owned());
         value
     };
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    // A box of this size whatever stands in it: a wider one would push the rest of its row out of the panel.
+    // The box has this size whatever it contains: a wider one would push the rest of its row out of the panel.
     let size = vec2(ui.available_width().min(NUMBER_WIDTH), ui.spacing().interact_size.y);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let inside = UiBuilder::new().max_rect(rect).layout(Layout::centered_and_justified(Direction::TopDown));
@@ -75,7 +75,7 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(label));
     let mut interaction = Interaction { changed: false, ended: response.drag_stopped() || response.lost_focus() };
     let dragged = response.dragged();
-    // What is typed has fewer digits than a double: the same text is no change.
+    // A typed number has fewer digits than a double: the same text is no change.
     let retyped = !dragged && whole_figure(shown) == whole_figure(*value);
     if response.changed() && differs(shown, *value) && !retyped {
         if dragged {
@@ -96,7 +96,7 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
     interaction
 }
 
-/// Selects the whole text, so that typing replaces it: the widget itself would select as much as was shown before.
+/// Selects the whole text, so that typing replaces it: the widget itself selects only the length of the text shown before.
 fn select_all(ui: &Ui, id: Id, letters: usize) {
     let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
     state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(0), CCursor::new(letters))));

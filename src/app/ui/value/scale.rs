@@ -1,7 +1,7 @@
-//! Where a value stands on its track, and which value a place on the track means. Knows nothing of widgets.
+//! The place of a value on its track, and the value at a place. Knows nothing of widgets.
 //!
-//! A parameter may range over ten decades and a track is a hundred points long. So the track shows a window of the
-//! range, and a hand that goes on past an end takes the window with it:
+//! A parameter may range over ten decades, and a track is a hundred points long. So the track shows a window of the range. A
+//! drag past an end moves the window along:
 //!
 //! ```text
 //! range   0 ········ 0.01 ──────────────────────────────────────── 1e8
@@ -10,42 +10,42 @@
 //! near zero   [0 ┊ 0.01 ──●── 0.12]
 //! ```
 //!
-//! The window is of one width, so that a point of the hand's way is the same factor everywhere; past an end the way
-//! counts the more the further it is, and any value is within a push or two. What a drag does depends only on where it
-//! began and where the hand is: going back gives back every value.
+//! The window has a constant width, so that a point of the drag is the same factor everywhere. Past an end, the drag counts
+//! the more the further it goes, and any value is reached within a push or two. The result depends only on where the drag
+//! began and where the pointer is: on the way back, every value returns.
 
 use super::super::figure::rounded;
 use crate::scene::param::{Kind, Param};
 
-/// Decades below the greatest value within which a logarithmic value from zero has its least one.
+/// The least positive value of a logarithmic range from zero, in decades below the greatest value.
 const DECADES: f64 = 10.0;
-/// Decades in a point of the hand's way: ten points are a third more or a quarter less.
+/// Decades per point of a drag: ten points are a third more or a quarter less.
 const DECADES_PER_POINT: f64 = 0.0124;
 /// The most decades in a window, however long the track.
 const MOST_DECADES: f64 = 3.0;
-/// The share of a window at the least value that means zero.
+/// The fraction of a window at the left end that stands for zero, if the window has zero.
 const ZERO_SHARE: f64 = 0.1;
-/// A way of so many points past an end counts twice.
+/// A drag of this many points past an end counts twice.
 const HURRY_POINTS: f64 = 56.0;
-/// The share of a window at each end in which a value does not stay once the hand is gone.
+/// The fraction of a window at each end in which a value does not stay after the drag: the window moves.
 const EDGE: f64 = 0.12;
-/// An even range whose default is below this share of its end is shown in part.
+/// An evenly divided range is shown in part if its default is below this fraction of its end.
 const FEW: f64 = 0.2;
-/// What one step of a key or the wheel leads to within a decade.
+/// The values within a decade at which a step of a key or the wheel may end.
 const STEPS: [f64; 11] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 /// Fine steps in a decade, and in a coarse step of an even range.
 const FINE_STEPS: f64 = 100.0;
 const FINE_PARTS: f64 = 10.0;
-/// Coarse steps along an even window, at least.
+/// The least number of coarse steps along an evenly divided window.
 const EVEN_STEPS: f64 = 20.0;
 
-/// How the values of a parameter lie on its track.
+/// The arrangement of a parameter's values on its track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     min: f64,
     max: f64,
     form: Form,
-    /// What the window is around where the value says nothing: the default.
+    /// The default, or a replacement for it: the window surrounds it when the value is zero.
     usual: f64,
     /// Length of the track, points.
     points: f64,
@@ -55,16 +55,16 @@ pub(super) struct Scale {
 enum Form {
     /// All of the range, evenly.
     Whole,
-    /// From zero to what is about three times the value, evenly.
+    /// From zero to about three times the value, evenly.
     FromZero,
-    /// Equal factors are equal ways.
+    /// Logarithmic: equal factors are equal distances.
     Factors,
 }
 
 /// The part of a range that a track shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Window {
-    /// The value at the left end, or right of the zero.
+    /// The value at the left end, or to the right of the zero.
     pub(super) low: f64,
     /// The value at the right end.
     pub(super) high: f64,
@@ -73,7 +73,7 @@ pub(super) struct Window {
 }
 
 impl Scale {
-    /// The scale of a number on a track of so many points.
+    /// The scale of a number on a track of this many points.
     pub(super) fn of(param: &Param, points: f64) -> Option<Self> {
         let (min, max) = ends(param)?;
         let usual = param.default_value().and_then(|default| default.as_f64());
@@ -99,7 +99,7 @@ impl Scale {
         (DECADES_PER_POINT * self.points).clamp(1.0, MOST_DECADES).min(all)
     }
 
-    /// The window that begins with a value, or ends with the greatest.
+    /// The window that begins at a value, or the last one if that would end beyond the greatest value.
     fn window_from(&self, low: f64, zero: bool) -> Window {
         let width = 10_f64.powf(self.decades() * if zero { 1.0 - ZERO_SHARE } else { 1.0 });
         let low = low.clamp(self.least(), self.max / width);
@@ -124,7 +124,7 @@ impl Scale {
         }
     }
 
-    /// Whether a value stands well within a window.
+    /// Whether a value is in a window and not too near to its ends.
     pub(super) fn suits(&self, window: Window, value: f64) -> bool {
         if self.form == Form::Whole {
             return true;
@@ -157,7 +157,8 @@ impl Scale {
         (zero + (1.0 - zero) * share).clamp(0.0, 1.0)
     }
 
-    /// The value at a place, rounded to three digits, and the window that shows it: beyond 0 and 1 the window moves on.
+    /// The value at a place, rounded to three digits, and the window that shows it: for a place beyond 0 or 1 the window
+    /// moves.
     pub(super) fn value(&self, window: Window, place: f64) -> (f64, Window) {
         let (value, window) = match self.form {
             Form::Whole => (self.min + place.clamp(0.0, 1.0) * (self.max - self.min), window),
@@ -189,12 +190,12 @@ impl Scale {
         (value, self.window_from(low, at_end && self.min == 0.0))
     }
 
-    /// How far a way past an end counts, both as shares of the track.
+    /// The effective length of a drag past an end, both as fractions of the track.
     fn hurried(&self, beyond: f64) -> f64 {
         beyond * (1.0 + beyond * self.points / HURRY_POINTS)
     }
 
-    /// The value some steps of a key or the wheel further.
+    /// The value after some steps of a key or the wheel.
     pub(super) fn stepped(&self, window: Window, value: f64, steps: i32, fine: bool) -> f64 {
         let one = |value: f64, _| match self.form {
             Form::Factors => self.step_by_factor(value, steps > 0, fine),
@@ -215,7 +216,7 @@ impl Scale {
             let factor = 10_f64.powf(1.0 / FINE_STEPS);
             rounded(if up { value * factor } else { value / factor })
         } else {
-            // A hair off a round number counts as the number.
+            // A value within a rounding error of a round number counts as that number.
             let decade = 10_f64.powf((value * 1.000_001).log10().floor());
             let share = value / decade;
             if up {
@@ -228,7 +229,7 @@ impl Scale {
     }
 }
 
-/// The least and the greatest number that a parameter may be.
+/// The least and the greatest value of a numeric parameter.
 pub(super) fn ends(param: &Param) -> Option<(f64, f64)> {
     match param.kind {
         Kind::Number { min, max } | Kind::NumberOr { min, max, .. } => Some((min, max)),
@@ -237,7 +238,7 @@ pub(super) fn ends(param: &Param) -> Option<(f64, f64)> {
     }
 }
 
-/// The first of 1, 2, 5, 10, 20, … that is no less.
+/// The first of 1, 2, 5, 10, 20, … that is not below a value.
 fn round_above(value: f64) -> f64 {
     let decade = 10_f64.powf(value.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|step| step * decade >= 0.999 * value);
@@ -259,7 +260,7 @@ mod tests {
         Scale::of(param::find(path).expect("a parameter"), POINTS).expect("a number")
     }
 
-    /// Where a drag from the middle by so many points leads.
+    /// The value and window after a drag from the middle by this many points.
     fn dragged(scale: &Scale, value: f64, points: f64) -> (f64, Window) {
         let window = scale.window_around(value);
         scale.value(window, scale.place(window, value) + points / POINTS)

@@ -1,4 +1,4 @@
-//! A slider: a track with a knob to drag, past the ends too, and steps by the wheel and by keys, beside its number.
+//! A slider: a track with a knob to drag, even past the ends, steps by the wheel and by keys, and its number beside it.
 
 use std::time::Duration;
 
@@ -18,20 +18,20 @@ use crate::app::ui::words::capitalised;
 use crate::scene::Family;
 use crate::scene::param::{self, Param};
 
-/// With shift held the hand moves a value this much more slowly.
+/// With shift held, a drag changes the value by this factor less.
 const FINE: f64 = 0.1;
 /// Radius of the knob, points.
 const KNOB: f32 = 6.0;
-/// A press no further from the middle of the knob takes hold of it, points.
+/// The farthest from the middle of the knob at which a press takes hold of it, points.
 const REACH: f32 = 9.0;
-/// Steps are one change until none has come for so long, s.
+/// Steps belong to one change until none has come for this time, s.
 const QUIET_SECS: f64 = 0.4;
-/// Scrolling of so many points on a trackpad is a step.
+/// Scrolling by this many points on a trackpad is a step.
 const POINTS_A_STEP: f32 = 40.0;
-/// The window of a track moves to where it belongs within this time, s.
+/// The time in which the window of a track glides to its new place, s.
 const GLIDE_SECS: f32 = 0.15;
 
-/// How far a value may go so that the step asked for is safe.
+/// The bound up to which a value is safe with the requested step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::app::ui) enum Bound {
     AtMost(f64),
@@ -46,8 +46,8 @@ impl Bound {
     }
 }
 
-/// A slider with its label, its number and its unit. `safe` is how far the step asked for lets it go: it is marked on
-/// the track.
+/// A slider with its label, number and unit. The bound `safe`, up to which the requested step is safe, is marked on the
+/// track.
 ///
 /// # Panics
 /// In debug builds, when no parameter has this path.
@@ -79,7 +79,7 @@ pub(in crate::app::ui) fn slider_ui(
     interaction
 }
 
-/// The name for those who cannot see under which heading a value stands.
+/// The name for screen readers, which do not show the heading above a value.
 fn spoken(path: &str, label: &str) -> String {
     let heading = path.rsplit('.').nth(1);
     let family = Family::ALL.into_iter().map(Family::name).find(|name| heading == Some(name));
@@ -95,18 +95,18 @@ fn spoken(path: &str, label: &str) -> String {
     }
 }
 
-/// A track and what stands beside it in its row.
+/// A track and its properties.
 struct Track<'a> {
     id: Id,
     param: &'a Param,
-    /// Its name for those who cannot see.
+    /// Its name for screen readers.
     label: &'a str,
     /// Its length, points.
     width: f32,
     safe: Option<Bound>,
 }
 
-/// A hand on the knob: where it took hold, and what the track showed there.
+/// The beginning of a drag: the pointer's place, and what the track showed there.
 #[derive(Clone, Copy)]
 struct Grip {
     window: Window,
@@ -130,7 +130,7 @@ impl Track<'_> {
             *value = self.default().unwrap_or(*value);
             interaction.ended = true;
         } else if response.dragged_by(PointerButton::Primary) || response.drag_stopped_by(PointerButton::Primary) {
-            // Also in the frame in which the hand lets go: the last way counts.
+            // The frame in which the button is released counts too, since the pointer may have moved in it.
             self.drag(ui, &response, line, &scale, &mut window, value);
         } else if response.clicked() {
             response.request_focus();
@@ -164,7 +164,8 @@ impl Track<'_> {
         interaction
     }
 
-    /// The window that is shown. It stays under the hand; another value, or the hand gone from near its end, moves it.
+    /// The window to show. It stays during a drag. Otherwise it moves with a new value, or when the pointer leaves a value
+    /// near its end.
     fn window(&self, ui: &Ui, scale: &Scale, response: &Response, value: f64) -> Window {
         let last = ui.data(|data| data.get_temp::<Window>(self.id));
         let stays = |window: &Window| {
@@ -196,7 +197,7 @@ impl Track<'_> {
         (*value, *window) = scale.value(grip.window, grip.place + way);
     }
 
-    /// Whether steps are being taken; tells of their end.
+    /// Whether steps are still being taken; marks the interaction as ended when they are not.
     fn stepping(&self, ui: &Ui, response: &Response, steps: bool, interaction: &mut Interaction) -> bool {
         let (id, now) = (self.id.with("stepped"), ui.input(|input| input.time));
         if steps {
@@ -213,7 +214,7 @@ impl Track<'_> {
         goes_on
     }
 
-    /// The window on its way to where it belongs; a hand that drags has it there at once.
+    /// The window on its way to its new place; during a drag it moves at once.
     fn glide(&self, ui: &Ui, response: &Response, window: Window) -> Window {
         let secs = if response.dragged() { 0.0 } else { GLIDE_SECS };
         let ends = [("low", window.low), ("high", window.high)].map(|(end, value)| {
@@ -258,7 +259,7 @@ impl Track<'_> {
             if scale.shows(window, safe) {
                 painter.vline(x(safe), middle - 7.0..=middle + 7.0, Stroke::new(2.0, color));
             } else {
-                // An arrow to where it is.
+                // An arrow towards the bound.
                 let (end, way) = if safe > window.high { (line.right(), 1.0) } else { (line.left(), -1.0) };
                 let (tip, base) = (pos2(end + way * KNOB, middle), end - way);
                 let corners = vec![tip, pos2(base, middle - 6.0), pos2(base, middle + 6.0)];
@@ -275,19 +276,19 @@ impl Track<'_> {
     }
 }
 
-/// The place on the line where a point of the screen is.
+/// The place on the track of a point on the screen.
 fn place(line: Rect, x: f32) -> f64 {
     f64::from((x - line.left()) / line.width()).clamp(0.0, 1.0)
 }
 
-/// Where on the screen a value stands.
+/// The point on the screen of a value.
 fn at(line: Rect, scale: &Scale, window: Window, value: f64) -> f32 {
     #[expect(clippy::cast_possible_truncation, reason = "a share of a width")]
     let place = scale.place(window, value) as f32;
     line.left() + line.width() * place
 }
 
-/// The steps that arrow keys ask for.
+/// The number of steps by arrow keys.
 fn keys(ui: &Ui, response: &Response) -> i32 {
     if !response.has_focus() {
         return 0;
@@ -298,7 +299,7 @@ fn keys(ui: &Ui, response: &Response) -> i32 {
     presses(Key::ArrowRight) + presses(Key::ArrowUp) - presses(Key::ArrowLeft) - presses(Key::ArrowDown)
 }
 
-/// Whose the wheel is: a track's, once the pointer has moved on it, or the panel's, which scrolls.
+/// The owner of the wheel: a track, once the pointer has moved on it, or else the panel, which scrolls.
 #[derive(Clone, Copy)]
 struct Wheel {
     track: Option<Id>,
@@ -317,7 +318,7 @@ impl Wheel {
     }
 }
 
-/// Notes that a panel is being scrolled; to be called after all its tracks.
+/// Notes that a panel is being scrolled. Must be called after all its tracks.
 pub(in crate::app::ui) fn note_scrolling(ui: &Ui) {
     let wheel = Wheel::load(ui);
     let (scrolls, now) = ui.input(|input| (input.smooth_scroll_delta != Vec2::ZERO, input.time));
@@ -326,7 +327,7 @@ pub(in crate::app::ui) fn note_scrolling(ui: &Ui) {
     }
 }
 
-/// The steps that the wheel asks for. A panel that is scrolled until a track comes under the pointer goes on scrolling.
+/// The number of steps by the wheel. If a panel scrolls until a track is under the pointer, it keeps scrolling.
 fn wheel(ui: &Ui, response: &Response, id: Id) -> i32 {
     let (wheel, rest) = (Wheel::load(ui), id.with("rest of a step"));
     let is_own = wheel.track == Some(id);

@@ -1,4 +1,4 @@
-//! The pictures of a glTF file's base colours: which material has which, and how it lies on what has the material.
+//! The pictures of a glTF file's base colours: the picture of each material, and how it lies on surfaces with that material.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ use crate::math::picture::{Filter, Sampling, Wrap};
 /// The pictures of base colours that are asked for.
 pub(super) struct BaseColors {
     album: Album<Source>,
-    /// Of every material that was looked at.
+    /// The picture of every material that was asked for.
     known: BTreeMap<usize, Option<BaseColor>>,
 }
 
@@ -27,7 +27,7 @@ pub(super) struct BaseColors {
 enum Source {
     /// An image of the file.
     Image(usize),
-    /// A texture without an image that is read.
+    /// A texture without an image that can be read.
     Texture(usize),
 }
 
@@ -36,9 +36,9 @@ enum Source {
 pub(super) struct BaseColor {
     /// Its number in the album.
     pub(super) number: u16,
-    /// The set of texture coordinates by which it lies on a mesh.
+    /// The set of texture coordinates that places it on a mesh.
     pub(super) set: u32,
-    /// How these are moved: u is multiplied by the first two numbers of each row, v by the others and the last is added.
+    /// How these are moved: u is multiplied by the first number of each row, v by the second, and the third is added.
     rows: [[f64; 3]; 2],
 }
 
@@ -63,7 +63,7 @@ impl BaseColors {
         let sampler = texture.and_then(|texture| root.samplers.get(texture.sampler?.value()));
         let image = texture.map(|texture| texture.source.value()).filter(|&image| image < root.images.len());
         let source = image.map_or(Source::Texture(info.index.value()), Source::Image);
-        // What the format calls opaque may have anything where opacity would be.
+        // In an opaque material, the opacity of the picture may be anything.
         let opacity = match material.alpha_mode {
             Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Opacity::Ignored,
             Checked::Valid(AlphaMode::Mask | AlphaMode::Blend) => Opacity::Counts,
@@ -77,10 +77,10 @@ impl BaseColors {
         self.album.is_empty()
     }
 
-    /// Reads and unpacks the pictures; what cannot be had is told in `warnings`.
+    /// Reads and unpacks the pictures; a picture that cannot be read gives a warning.
     ///
     /// # Errors
-    /// If nobody waits for the model any more.
+    /// If the watch has cancelled.
     pub(super) fn develop(
         self,
         file: ModelFile<'_>,
@@ -112,7 +112,7 @@ impl BaseColor {
     }
 }
 
-/// The names of the files beside a model that its base colours are in, as the file has them.
+/// Returns the URIs of the images of base colours, as the file has them.
 pub(super) fn uris(root: &Root) -> impl Iterator<Item = &str> {
     let infos =
         root.materials.iter().filter_map(|material| material.pbr_metallic_roughness.base_color_texture.as_ref());

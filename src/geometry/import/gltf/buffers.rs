@@ -1,5 +1,5 @@
-//! The bytes of a glTF file: within it, in its text or in files beside it. Each buffer is read when it is first asked
-//! for, and once.
+//! The bytes of a glTF file: within it, in its text or in files beside it. Each buffer is read once, when it is first asked
+//! for.
 
 use std::borrow::Cow;
 
@@ -16,7 +16,7 @@ use crate::geometry::import::formats::MAX_FILE_BYTES;
 use crate::geometry::import::model_file::ModelFile;
 use crate::text::echo_up_to;
 
-/// Standard base64; whether it is filled up with `=` does not matter.
+/// Standard base64, with or without `=` at its end.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
@@ -79,7 +79,7 @@ impl<'a> Buffers<'a> {
         Ok(bytes)
     }
 
-    /// The bytes that a URI names, or why there are none; `what` they are of.
+    /// Returns the bytes that a URI names, or why there are none; `what` says what they are of.
     pub(super) fn of_uri(&mut self, uri: &str, what: &str) -> Result<Vec<u8>, String> {
         let bytes = self.named(uri, what).map_err(|fault| match fault {
             Fault::TooLarge => format!("it would make the model larger than {} MiB", MAX_FILE_BYTES >> 20),
@@ -97,7 +97,7 @@ impl<'a> Buffers<'a> {
     fn embedded(&self, rest: &str) -> Result<Vec<u8>, Fault> {
         let refused = |why: String| Fault::from(Problem::Refused { format: "a data URI", why });
         let (kind, text) = rest.split_once(',').ok_or_else(|| refused("it has no comma".into()))?;
-        // Each byte takes at least one letter.
+        // Four letters of base64 hold three bytes.
         if text.len() as u64 / 4 * 3 > self.budget {
             return Err(Fault::TooLarge);
         }
@@ -126,12 +126,12 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// What a URI names.
+/// Decodes the percent signs of a URI.
 fn decoded(uri: &str) -> Cow<'_, str> {
     percent_decode_str(uri).decode_utf8_lossy()
 }
 
-/// The name of the file beside a model that a URI means; none where it means no such.
+/// Returns the name of the file beside a model that a URI means; none if it means no such file.
 pub(super) fn name_beside(uri: &str) -> Option<String> {
     if uri.starts_with("data:") { None } else { below(&decoded(uri)) }
 }

@@ -16,18 +16,18 @@ use crate::geometry::named_parts::NameOf;
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_linear};
 use crate::geometry::texturing::TexturePlace;
 
-/// Follows the indices of a file into its buffers, and gathers the triangles that it finds.
+/// Follows the indices of a file into its buffers, and collects the triangles.
 pub(super) struct Reader<'a> {
     file: ModelFile<'a>,
     root: &'a Root,
     buffers: Buffers<'a>,
     assembly: Assembly<'a>,
     base_colors: BaseColors,
-    /// Primitives whose picture lies nowhere on them.
+    /// Primitives that have a picture but no texture coordinates.
     unplaced: usize,
 }
 
-/// What the vertices of a primitive have beside their positions, as far as they have it.
+/// The attributes of a primitive's vertices beside their positions; empty where it has none.
 #[derive(Default)]
 struct Attributes {
     tints: Vec<Tint>,
@@ -45,23 +45,23 @@ struct Elements<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Nothing yet; `blob` is the buffer within a binary file.
+    /// Starts without triangles; `blob` is the buffer within a binary file.
     pub(super) fn new(file: ModelFile<'a>, root: &'a Root, blob: Option<&'a [u8]>) -> Self {
         let (buffers, assembly) = (Buffers::new(file, root, blob), Assembly::new(file));
         Self { file, root, buffers, assembly, base_colors: BaseColors::new(), unplaced: 0 }
     }
 
-    /// Takes note of something that a person should know.
+    /// Adds a warning for the user.
     pub(super) fn warn(&mut self, warning: String) {
         self.assembly.warn(warning);
     }
 
-    /// The primitives that follow have this name; none is none.
+    /// Names the primitives that follow; none is no name.
     pub(super) fn call(&mut self, kind: NameOf, name: Option<&String>) {
         self.assembly.call(kind, name.map_or("", String::as_str));
     }
 
-    /// The mesh of all that was added.
+    /// Returns the mesh of all that was added.
     pub(super) fn finish(mut self) -> Result<Imported, ImportError> {
         if self.unplaced > 0 {
             let said = "meshes without texture coordinates have no picture but their plain colour";
@@ -78,7 +78,7 @@ impl<'a> Reader<'a> {
         self.assembly.finish_with(textures)
     }
 
-    /// Adds the triangles of a primitive, moved by a transform; says whether it has a surface at all.
+    /// Adds the triangles of a primitive, moved by a transform; returns whether it has a surface at all.
     pub(super) fn add(&mut self, primitive: &Primitive, transform: &DMat4, place: &Place) -> Result<bool, ImportError> {
         let Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) = primitive.mode else {
             return Ok(false);
@@ -118,7 +118,7 @@ impl<'a> Reader<'a> {
                 let index = vertex_index(corners[corner], count).map_err(|problem| file.at(place.clone(), problem))?;
                 face.push(index + u32::try_from(base).unwrap_or(u32::MAX));
             }
-            // A strip turns round by triangles of no area, which nobody misses.
+            // A strip changes direction by triangles of no area, which are dropped without a warning.
             if mode == Mode::Triangles || (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) {
                 self.assembly.face(&mut face)?;
             }
@@ -126,7 +126,7 @@ impl<'a> Reader<'a> {
         Ok(true)
     }
 
-    /// Adds the vertices of an accessor, and what they have beside their positions. How many they are.
+    /// Adds the vertices of an accessor with their attributes. Returns how many they are.
     fn add_positions(
         &mut self,
         accessor: usize,
@@ -137,7 +137,7 @@ impl<'a> Reader<'a> {
         let file = self.file;
         let elements = elements(self, accessor, &[Type::Vec3], place)?;
         let (count, stride, size) = (elements.count, elements.stride, elements.component.size());
-        // The bytes are those of a buffer that the assembly knows nothing of.
+        // Collected first: the elements borrow the reader, and so its assembly.
         let placed: Vec<DVec3> = (0..count)
             .map(|number| {
                 let at = |axis: usize| elements.number(number * stride + axis * size);
@@ -156,7 +156,7 @@ impl<'a> Reader<'a> {
         Ok(count)
     }
 
-    /// The colours of an accessor; told and left out where there is something wrong with them.
+    /// Returns the colours of an accessor; faulty ones are left out with a warning.
     fn tints(&mut self, accessor: usize, place: &Place) -> Vec<Tint> {
         let found = elements(self, accessor, &[Type::Vec3, Type::Vec4], place).map(|elements| {
             let (stride, size) = (elements.stride, elements.component.size());
@@ -173,14 +173,15 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// The normals of an accessor, turned with what they stand on; told and left out where there is something wrong with them.
+    /// Returns the normals of an accessor, turned by the transform; faulty ones are left out with a warning.
     fn normals(&mut self, accessor: usize, transform: &DMat4, place: &Place) -> Vec<DVec3> {
         let found = elements(self, accessor, &[Type::Vec3], place).map(|elements| {
             let (stride, size) = (elements.stride, elements.component.size());
             let at = |number: usize, axis: usize| elements.number(number * stride + axis * size);
             let normal = |number: usize| DVec3::from_array([0, 1, 2].map(|axis| at(number, axis)));
-            // They are told apart, not pointed along. Where there are none glTF wants flat faces (§ 3.7.2.1); here the angle
-            // decides as in other formats, so that a round thing which was exported without them looks round.
+            // Normals are only compared with each other, so these are good enough. If there are none, glTF wants flat faces
+            // (§ 3.7.2.1); here the angle decides as in other formats, so that round models exported without them look
+            // round.
             (0..elements.count).map(|number| transform.transform_vector3(normal(number))).collect()
         });
         found.unwrap_or_else(|error| {
@@ -189,7 +190,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Where the vertices of a primitive lie in a picture; told and left out where there is something wrong with that.
+    /// Returns where the vertices of a primitive lie in a picture; faulty places are left out with a warning.
     fn places(&mut self, primitive: &Primitive, color: &BaseColor, place: &Place) -> Vec<TexturePlace> {
         let accessor = primitive.attributes.get(&Checked::Valid(Semantic::TexCoords(color.set)));
         let Some(accessor) = accessor else { return Vec::new() };
@@ -218,7 +219,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The elements of an accessor, all of them within its buffer.
+/// Returns the elements of an accessor, all of them within its buffer.
 fn elements<'r>(
     reader: &'r mut Reader<'_>,
     number: usize,
@@ -272,7 +273,7 @@ fn elements<'r>(
 }
 
 impl Elements<'_> {
-    /// The number at a place that [`elements`] has looked at.
+    /// Returns the number at a place that [`elements`] has checked.
     fn number(&self, at: usize) -> f64 {
         let bytes = &self.bytes[at..at + self.component.size()];
         let (value, most) = match (self.component, bytes) {
@@ -288,7 +289,7 @@ impl Elements<'_> {
     }
 }
 
-/// The corners of all triangles, by their places among so many indices.
+/// Returns the corners of all triangles, as places among `corners` indices.
 ///
 /// ```text
 ///  strip  0---2---4    012 132 234    fan  1---2---3    012 023 034

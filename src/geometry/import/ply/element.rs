@@ -4,7 +4,7 @@ use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult,
 
 use crate::geometry::import::error::{Problem, coordinate, quote};
 
-/// What the corners of a face are called.
+/// The names that the property of a face's corners may have.
 pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// What a surface needs of a vertex or of a face.
@@ -12,9 +12,9 @@ pub(super) const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 pub(super) struct Element {
     /// Of a vertex.
     pub(super) position: [f64; 3],
-    /// Of a vertex; what is not there points nowhere.
+    /// Of a vertex; zero if it is not given.
     pub(super) normal: [f64; 3],
-    /// sRGB red, green, blue, 0..1; what is not there is no number.
+    /// sRGB red, green, blue, 0..1; NaN if it is not given.
     pub(super) color: [f64; 3],
     /// Of a face, as written.
     pub(super) corners: Vec<i64>,
@@ -41,7 +41,7 @@ impl PropertyAccess for Element {
     }
 }
 
-/// The element that a line of a text holds.
+/// Reads the element in a line of a text.
 pub(super) fn text_element(line: &[u8], def: &ElementDef) -> Result<Element, Problem> {
     let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     let mut next = || words.next().ok_or(Problem::Missing("a number that the header describes"));
@@ -60,7 +60,7 @@ pub(super) fn text_element(line: &[u8], def: &ElementDef) -> Result<Element, Pro
             (PropertyType::List(..), _) => {
                 let count: u32 = whole_number(next()?, "a number of entries")?;
                 let is_corner = INDICES.contains(&name.as_str());
-                // As many as there are words: what is claimed is not reserved.
+                // Nothing is reserved for the claimed count: the list grows with the words that are there.
                 for _ in 0..count {
                     let word = next()?;
                     if is_corner {
@@ -73,17 +73,17 @@ pub(super) fn text_element(line: &[u8], def: &ElementDef) -> Result<Element, Pro
     Ok(element)
 }
 
-/// The coordinate that a property is.
+/// Returns the axis of a coordinate by the name of its property.
 fn axis(name: &str) -> Option<usize> {
     ["x", "y", "z"].iter().position(|axis| *axis == name)
 }
 
-/// The coordinate of a normal that a property is.
+/// Returns the axis of a coordinate of a normal by the name of its property.
 fn normal_axis(name: &str) -> Option<usize> {
     ["nx", "ny", "nz"].iter().position(|axis| *axis == name)
 }
 
-/// The channel of a colour that a property is.
+/// Returns the channel of a colour by the name of its property.
 fn channel(name: &str) -> Option<usize> {
     let name = name.strip_prefix("diffuse_").unwrap_or(name);
     ["red", "green", "blue"].iter().position(|channel| *channel == name)
@@ -100,7 +100,7 @@ fn kind(property: &Property) -> ScalarType {
     }
 }
 
-/// What full light is written as.
+/// The value of full light.
 fn full(kind: &ScalarType) -> f64 {
     match kind {
         ScalarType::Float | ScalarType::Double => 1.0,
@@ -124,7 +124,7 @@ fn number(property: &Property) -> f64 {
         Property::UInt(value) => value.into(),
         Property::Float(value) => value.into(),
         Property::Double(value) => value,
-        // The header is refused where a coordinate is a list.
+        // A header with a list as a coordinate was refused before.
         _ => f64::NAN,
     }
 }
@@ -137,7 +137,7 @@ fn whole_numbers(property: Property) -> Vec<i64> {
         Property::ListUShort(list) => wide(list),
         Property::ListInt(list) => wide(list),
         Property::ListUInt(list) => wide(list),
-        // The header is refused where corners are anything else.
+        // A header with anything else as corners was refused before.
         _ => Vec::new(),
     }
 }

@@ -24,7 +24,7 @@ fn enclosed(mesh: &TriMesh) -> f64 {
     (0..mesh.triangles.len()).map(|at| mesh.corners(at)).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum::<f64>().abs()
 }
 
-/// A ball without what is above a height.
+/// A ball cut off above a height.
 fn bowl() -> TriMesh {
     let mut ball = ball(DVec3::ZERO, 1.0, 24);
     let is_low = |mesh: &TriMesh, triangle: usize| mesh.corners(triangle).iter().all(|corner| corner.y < 0.2);
@@ -61,8 +61,8 @@ fn the_samples_alone_come_near_the_volume_that_is_known() {
     }
 }
 
-/// The stated tolerance: no sample is outside the cells that the triangle test fills (SC), and of these the model grazes some so
-/// that they have none: no more than a twentieth of volume, an eighth of surface.
+/// The stated tolerance: no sample is outside the cells that the triangle test fills (SC). Some of these cells have no
+/// sample, as the model only grazes them: at most a twentieth for volume, an eighth for surface.
 #[test]
 fn samples_agree_with_the_triangle_test() {
     for (name, mesh) in [("ball", ball(DVec3::ZERO, 0.8, 48)), ("box", solid_box([0.0; 3], [1.0, 0.63, 0.41]))] {

@@ -7,16 +7,16 @@ use crate::math::Aabb;
 /// A body as it would be at the end of a substep.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ahead {
-    /// Whether it moves by its modes in it.
+    /// Whether it moves by its modes in the substep.
     pub(super) is_modal: bool,
-    /// The box around it, m; around a modal one over the whole substep.
+    /// The box around it, m; for a modal body around its motion over the whole substep.
     pub(super) bounds: Aabb<f64>,
-    /// The mean velocity of its particles, of a modal one that of its middle, m/s.
+    /// The mean velocity of its particles, m/s; for a modal body that of its middle.
     pub(super) drift: DVec3,
 }
 
 impl Ahead {
-    /// One that is nowhere.
+    /// A body that is nowhere.
     pub(super) fn nowhere() -> Self {
         Self { is_modal: false, bounds: Aabb::empty(), drift: DVec3::ZERO }
     }

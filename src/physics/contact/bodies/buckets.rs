@@ -9,18 +9,18 @@ use crate::math::Aabb;
 /// No place in a list.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// A point of one body that may be inside another, and the cell of that which holds it best so far.
+/// A point of one body that may be inside another, and the cell of that body that holds it best so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen {
     /// The point, by its number on the outside of its body.
     pub(super) point: u32,
     /// Where it would be at the end of the substep, m.
     pub(super) ahead: DVec3,
-    /// The cell; none yet where it is [`NONE`].
+    /// The cell; [`NONE`] where there is none yet.
     pub(super) cell: u32,
     /// The point's place in it.
     pub(super) at: DVec3,
-    /// How far outside it that is, in cells.
+    /// How far outside the cell that place is, in cells.
     pub(super) outside: f64,
 }
 
@@ -30,13 +30,13 @@ impl Seen {
         Self { point, ahead, cell: NONE, at: DVec3::ZERO, outside: f64::INFINITY }
     }
 
-    /// Whether it is in one.
+    /// Whether the point is in a cell.
     pub(super) fn is_inside(&self) -> bool {
         self.cell != NONE
     }
 }
 
-/// Most buckets: an array that stays near the processor.
+/// Most buckets: their array has to fit into the processor's cache.
 const MOST: usize = 1 << 13;
 
 /// Points by the bucket they are in, ascending in each.
@@ -51,7 +51,7 @@ pub(super) struct Buckets {
 }
 
 impl Buckets {
-    /// Room for so many points, in as many buckets as they fill where they are on the outside of a body.
+    /// Makes room for this many points, in as many buckets as they fill if they are on the outside of a body.
     pub(super) fn new(points: usize) -> Self {
         Self {
             starts: Vec::with_capacity((4 * points).min(MOST) + 1),
@@ -60,7 +60,7 @@ impl Buckets {
         }
     }
 
-    /// Sorts points that are in a box into buckets as large as cells of `cell_size` (m), or larger where these were too many.
+    /// Sorts points that are in a box into buckets as large as cells of `cell_size` (m), or larger where those are too many.
     pub(super) fn sort(&mut self, seen: &[Seen], bounds: &Aabb<f64>, cell_size: f64) {
         let (extent, mut size) = (bounds.max - bounds.min, cell_size);
         loop {
@@ -101,7 +101,7 @@ impl Buckets {
         self.rows(bounds).flat_map(|row| self.order[row].iter().copied())
     }
 
-    /// All of them, row by row of buckets, by their places in [`Buckets::order`].
+    /// The same points, as a range of [`Buckets::order`] for each row of buckets.
     pub(super) fn rows(&self, bounds: &Aabb<f64>) -> impl Iterator<Item = Range<usize>> {
         let (low, high) = (self.place(bounds.min), self.place(bounds.max));
         let [nx, ny, _] = self.dims;

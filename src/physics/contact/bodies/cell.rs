@@ -1,26 +1,26 @@
-//! A deformed cell: a place in it, the place that a point has, and how a place changes with a point.
+//! A deformed cell: the point at a place, the place of a point, and how a point changes with its place.
 //!
 //! A place is three numbers, 0 to 1 within the cell, and the point there is the mean of the cell's corners by trilinear
-//! weights. To find the place of a point that map is inverted by Newton's method.
+//! weights. Newton's method inverts that map to find the place of a point.
 
 use glam::{DMat3, DVec3};
 
-/// A point on the face between two cells is in either, though rounding puts it outside both by less than this, in cells.
+/// A point on the face between two cells is in either, even if rounding puts it outside both by less than this, in cells.
 pub(super) const TOLERANCE: f64 = 1e-4;
 
-/// Newton's method is at its end when a place changes by no more than this: what is left is of the order of its square.
+/// Newton's method ends when a place changes by no more than this: the error left is of the order of its square.
 const SETTLED: f64 = 1e-6;
 
-/// Most rounds of it: a cell that is not crushed needs three to six.
+/// Most rounds of Newton's method: a cell that is not crushed needs three to six.
 const ROUNDS: usize = 16;
 
-/// No round goes further than this, nor ends further outside the cell.
+/// No round ends further outside the cell than this, in cells.
 const REACH: f64 = 2.0;
 
-/// The least volume of a cell over that at rest in which places are looked for: what is more crushed is left to recovery.
+/// Places are looked for only in cells of more than this share of their volume at rest: those more crushed are left to recovery.
 const LEAST_VOLUME: f64 = 1e-3;
 
-/// The corners of a cell, bit 0 of the place is x, bit 1 y, bit 2 z.
+/// The corners of a cell: bit 0 of the index is x, bit 1 y, bit 2 z.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell(pub(super) [DVec3; 8]);
 
@@ -52,8 +52,8 @@ impl Cell {
         DMat3::from_cols(slopes[0], slopes[1], slopes[2])
     }
 
-    /// The place of a point, looked for from another; none where the cell is crushed on the way or the point is far from it.
-    /// `cell_size` is that at rest, m.
+    /// Finds the place of a point, starting at the place `from`; none where the cell is crushed on the way or the point is far
+    /// from it. `cell_size` is that at rest, m.
     pub(super) fn locate(&self, point: DVec3, from: DVec3, cell_size: f64) -> Option<DVec3> {
         let least = LEAST_VOLUME * cell_size * cell_size * cell_size;
         let mut at = from;
@@ -84,11 +84,11 @@ pub(super) struct Slabs {
     between: [[f64; 2]; 3],
 }
 
-/// Slabs are thicker by this share, for places as far outside the cell as counts as inside and for rounding.
+/// Slabs are thicker by this share, for places outside the cell that still count as inside, and for rounding error.
 const THICKER: f64 = 1e-3;
 
 impl Cell {
-    /// The slabs around its corners, and so around all its places, that lean as it does in the mean.
+    /// The slabs around its corners, and so around all its places, that lean as the cell does on average.
     pub(super) fn slabs(&self) -> Slabs {
         let [x, y, z] = [1, 2, 4].map(|step| {
             let corners = self.0.iter().enumerate();
@@ -106,7 +106,7 @@ impl Cell {
 }
 
 impl Slabs {
-    /// Whether a point is in all of them: no other has a place in the cell.
+    /// Whether a point is in all of them; other points have no place in the cell.
     pub(super) fn hold(&self, point: DVec3) -> bool {
         let mut slabs = self.across.iter().zip(&self.between);
         slabs.all(|(across, [low, high])| {

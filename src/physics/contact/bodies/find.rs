@@ -2,20 +2,20 @@
 //!
 //! ```text
 //! bodies      the boxes of two bodies overlap, where they would be at the end
-//! neighbours  those of the one's outside that are near cells of the other: kept until bodies have moved
+//! neighbours  points on the outside of one body that are near cells of the other: kept until bodies have moved
 //! cells       is the point in the box around the cell, in slabs that lean as it does, in the cell itself
-//! way out     along the six axes of the cell, of those that lead against the point's own outside the shortest; of a body that
-//!             meets others with its mesh the way to that, and outside it there is none
+//! way out     the shortest of the six along the axes of the cell that lead against the point's own outward direction; in a
+//!             body that meets others with its mesh, the way to that mesh, and none outside it
 //! ```
 //!
-//! Of a body and itself only the cells near its outside are looked at, and no cell that touches one around the point
+//! In contact of a body with itself only the cells near its outside are tested, and none that touches a cell around the point
 //! ([`super::itself`]).
 //!
-//! A point has an outside of its own: away from the middle of the cells around it. It is pushed out only against that, so
-//! that a slab of one cell is not pushed on through another that it is more than half way into, and the edge of a cube on
-//! a cube is not pushed off sideways. Of a body that is for the most part inside another that would be every way at once: its
-//! points all leave the same way, by which its middle is away from that of the other. Where the way to the nearest place of a
-//! mesh leads on through, the point is let out straight back.
+//! A point has an outward direction of its own: away from the middle of the cells around it. It is pushed out only against
+//! that, so that a slab of one cell is not pushed on through another that it is more than half way into, and the edge of a
+//! cube on a cube is not pushed off sideways. The points of a body that is mostly inside another would be pushed every way at
+//! once, so they all leave the same way: from the middle of the other body to that of their own. Where the way to the nearest
+//! place of a mesh leads on through it, the point is let out straight back.
 
 use glam::DVec3;
 
@@ -28,20 +28,20 @@ use super::points::{Found, Met, PointsWorkspace};
 use crate::math::{Aabb, Real};
 use crate::physics::model::{BodyModel, Model, Skin, WayThrough};
 
-/// A point that is outside a cell by no more than this is as good as in it, and looked for in no other.
+/// A point outside a cell by no more than this, in cells, counts as inside it, and is looked for in no other.
 const NOTHING: f64 = 1e-9;
 
-/// The way out leads against the outside of a point where their directions' product is below this.
+/// A way out leads against the outward direction of a point where the dot product of the two is below this.
 const AGAINST: f64 = -0.2;
 
-/// A body is for the most part inside another where this share of its points is.
+/// A body is mostly inside another where more than this share of its points is.
 const MOST: f64 = 0.5;
 
-/// What points are looked for in: everything as it would be at the end of the substep.
+/// Everything that the search for points needs, as it would be at the end of the substep.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Look<'a, R: Real> {
     pub(super) model: &'a Model<R>,
-    /// Particles, m.
+    /// Positions of all particles, m.
     pub(super) ahead: &'a [DVec3],
     pub(super) bodies: &'a [Ahead],
     /// Which points are near which cells; without, every point is looked for in every cell.
@@ -99,7 +99,7 @@ fn find<R: Real>(look: Look<'_, R>, of: [usize; 2], workspace: &mut PointsWorksp
     looks.tests_saved += all_tests - tests.min(all_tests);
 }
 
-/// The ways out of the points that were found, in their order, `inside` of them.
+/// Returns the ways out of the points that are inside, in their order; `inside` is how many there are.
 fn ways_out<R: Real>(
     look: Look<'_, R>,
     [of_points, of_cells]: [usize; 2],
@@ -111,7 +111,7 @@ fn ways_out<R: Real>(
     let outside = Outside::of(model, [of_points, of_cells]);
     let is_itself = of_points == of_cells;
     let is_in = !is_itself && inside as f64 > MOST * outside.count() as f64;
-    // Of two in the same place the later one in the list leaves upwards.
+    // Of two bodies in the same place the later one in the list leaves upwards.
     let upwards = if of_points > of_cells { DVec3::Y } else { DVec3::NEG_Y };
     let apart = || bodies[of_points].bounds.center() - bodies[of_cells].bounds.center();
     let away = is_in.then(|| apart().try_normalize().unwrap_or(upwards));
@@ -136,9 +136,9 @@ fn ways_out<R: Real>(
     })
 }
 
-/// The normal of the mesh of a body where a point in one of its cells may leave by it, and how deep the point is inside along
-/// that, m: along a way that is given, else the shortest that leads against the point's own outside, else straight back from
-/// that. None where the point is outside of the mesh.
+/// Returns the normal of a body's mesh where a point in one of its cells may leave, and how deep the point is inside along that
+/// normal, m. The way is the given one (`Ok`), else the shortest if it leads against the point's outward direction (`Err`),
+/// else straight back from that direction. None where the point is outside the mesh.
 fn through_skin<R: Real>(
     skin: &Skin,
     body: &BodyModel<R>,
@@ -150,7 +150,7 @@ fn through_skin<R: Real>(
     let at_rest = grid.corner(body.lattice.low(seen.cell)) + seen.at * grid.cell_size;
     let shortest = skin.way_out(at_rest)?;
     let slopes = cell.slopes(seen.at);
-    // A way of the body at rest is carried along, and so are its layers, which are thinner where the cell is.
+    // A way in the body at rest is deformed with the cell, and so are its layers, which are thinner where the cell is.
     let (back, layers) = (slopes.inverse(), slopes.inverse().transpose() * grid.cell_size);
     let carried = |WayThrough { normal, depth }| {
         let across = layers * normal;
@@ -173,21 +173,21 @@ struct Candidate {
     cell: Cell,
     /// The box around it, m.
     around: Aabb<f64>,
-    /// Those around it, once a point is in the box.
+    /// The slabs around it, once a point is in the box.
     slabs: Option<Slabs>,
-    /// At rest, m.
+    /// Its size at rest, m.
     size: f64,
 }
 
 impl Candidate {
-    /// A cell of a body whose particles are there, m.
+    /// A cell of a body whose particles are at `own`, m.
     fn new<R: Real>(body: &BodyModel<R>, number: u32, own: &[DVec3], size: f64) -> Self {
         let around = around(body, number, own).grown(TOLERANCE * size);
         let cell = Cell(body.lattice.cells[number as usize].map(|corner| own[corner as usize]));
         Self { number, cell, around, slabs: None, size }
     }
 
-    /// Looks whether a point is in the cell, and further inside than in any before. Says whether it could be.
+    /// Tests whether a point is in the cell, and less far outside it than of any before. Returns whether it could be.
     fn look(&mut self, seen: &mut Seen) -> bool {
         if seen.outside == 0.0 || !self.around.holds(seen.ahead) {
             return false;
@@ -206,12 +206,12 @@ impl Candidate {
     }
 }
 
-/// Whether a way out leads against the outside of a point.
+/// Whether a way out leads against the outward direction of a point.
 fn leads_out(normal: DVec3, outward: DVec3) -> bool {
     outward == DVec3::ZERO || outward.dot(normal) < AGAINST
 }
 
-/// The normal of the nearest side of a body that a point may leave it by, and how deep it is there, m.
+/// The normal of the nearest side of a body by which a point may leave, and how deep the point is there, m.
 fn way_out(sides: [(DVec3, f64); 6], outward: DVec3) -> Option<(DVec3, f64)> {
     let mut best: Option<(DVec3, f64)> = None;
     for (normal, depth) in sides {
@@ -222,15 +222,15 @@ fn way_out(sides: [(DVec3, f64); 6], outward: DVec3) -> Option<(DVec3, f64)> {
     best
 }
 
-/// The same of the side that leads along a direction the most.
+/// The same for the side whose normal is closest to a direction.
 fn way_along([first, others @ ..]: [(DVec3, f64); 6], along: DVec3) -> (DVec3, f64) {
     let better =
         |best: (DVec3, f64), side: (DVec3, f64)| if side.0.dot(along) > best.0.dot(along) { side } else { best };
     others.into_iter().fold(first, better)
 }
 
-/// The normals of a body's six sides as a point of a cell may leave by them, and how deep it is there, m. The sides are at
-/// rest along the axes of the cell, so many cells away, and are carried along as the cell is deformed at the place.
+/// The normals of the six sides by which a point in a cell may leave a body, and how deep the point is there, m. At rest the
+/// sides are along the axes of the cell, `ways` cells away; they are deformed as the cell is at the place.
 fn sides(cell: &Cell, at: DVec3, ways: &[u32; 6]) -> [(DVec3, f64); 6] {
     // How the place changes with the point: the normals of the cell's layers, longer where these are thinner.
     let layers = cell.slopes(at).inverse().transpose();

@@ -7,9 +7,9 @@
 //!    │ a │ a │ b │ c │ c │
 //! ```
 //!
-//! No such cell is nearer to it at rest than a cell size. So a body is not near itself as long as it is deformed alike
-//! all over: with `x = A X + u` and the least stretch σ of A no point and cell of it that meet are nearer than `σ − 2 max |u|`, in
-//! cell sizes. Only where that tells nothing are points and cells looked at.
+//! At rest no cell c is nearer to the point than a cell size. So a body is not near itself as long as it is deformed alike all
+//! over: with `x = A X + u` and the least stretch σ of A, no point and cell of it that meet are nearer than `σ − 2 max |u|`, in
+//! cell sizes. Only where this bound does not tell are points and cells tested one by one.
 
 use glam::{DMat3, DVec3};
 
@@ -19,23 +19,24 @@ use super::points::PointsWorkspace;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::BodyModel;
 
-/// A body is near itself where a point is no further from a cell than this, in cells, ...
+/// A body is near itself where a point is within some distance of a cell: at least this, in cells.
 const NEAR: f64 = 0.5;
 
-/// ... or than particles move past each other in a substep, and this for what forces add to that, ...
+/// That distance exceeds how far particles move past each other in a substep by this, for what forces add to it, in cells.
 const MARGIN: f64 = 0.3;
 
-/// ... but than this: less than what they are apart at rest. What moves further in a substep may be caught late, inside.
+/// Largest such distance, in cells: less than the distance at rest. A point that moves further in a substep may be caught late,
+/// inside.
 const FURTHEST: f64 = 0.8;
 
-/// Nothing is looked for further away, in cells.
+/// Larger distances are not measured, in cells.
 const MEASURED: f64 = 1.0;
 
-/// About so many particles have a say in how a body is deformed as a whole.
+/// About this many particles are used to find how a body is deformed as a whole.
 const SAMPLES: usize = 300;
 
-/// Whether a body at these positions (m) is near itself, and how far its particles may move past each other until that has to
-/// be looked for again, in cells; they move by `way` in a substep.
+/// Whether a body at these positions (m) is near itself, and how far its particles may move past each other until the next
+/// look, in cells; they move by `way` in a substep.
 pub(super) fn look<R: Real>(
     body: &BodyModel<R>,
     position: &[R::Vec3],
@@ -51,7 +52,8 @@ pub(super) fn look<R: Real>(
     (is_near, if is_near { near } else { distance } - MARGIN)
 }
 
-/// What points and cells that meet are apart at least, in cells, where a body is deformed much alike; none where it is flat.
+/// Returns a lower bound of the distance between points and cells that meet, in cells; a good one where a body is deformed much
+/// alike all over, none where it is flat.
 fn least_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> Option<f64> {
     let (size, corners) = (body.lattice.grid.cell_size, &body.lattice.corners);
     let corner = |particle: usize| DVec3::from(corners[particle].map(f64::from));
@@ -78,7 +80,7 @@ fn least_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> Option<
     distance.is_finite().then_some(distance)
 }
 
-/// The same, point by point and cell by cell, as far as it is no more than [`MEASURED`].
+/// Returns the same distance, measured point by point and cell by cell, up to [`MEASURED`].
 fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspace: &mut PointsWorkspace) -> f64 {
     let (hull, size) = (body.hull(), body.lattice.grid.cell_size);
     let PointsWorkspace { seen, buckets, sorted, .. } = workspace;
@@ -96,13 +98,13 @@ fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspa
         (ahead, hull.surroundings[point as usize])
     }));
     let mut least = MEASURED;
-    // Nothing comes near a cell further inside first.
+    // A point comes near one of these cells before it comes near one further inside.
     for number in hull.outer.iter().copied().filter(|cell| hull.ways[*cell as usize].contains(&0)) {
         let cell = Cell(body.lattice.cells[number as usize].map(at));
         let (around, low) = (Aabb::<f64>::around(cell.0), body.lattice.low(number));
         let within = around.grown(least * size);
         for (point, surroundings) in buckets.rows(&within).flat_map(|row| &sorted[row]) {
-            // Most of those near a cell are around it, and this costs the least.
+            // Most points near a cell belong to it, and this test costs the least.
             if surroundings.touch(low) {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! What is found of a pair of bodies, as contacts: which particles and modal bodies each of them weighs how much.
+//! Turns the points found of a pair of bodies into contacts, with the shares of particles and modal bodies in each.
 
 use glam::DVec3;
 
@@ -23,14 +23,14 @@ pub(super) struct Meeting<'a, R: Real> {
 }
 
 impl<R: Real> Meeting<'_, R> {
-    /// Writes a contact down, with what it may move.
+    /// Adds a contact, with the movers that it may change.
     pub(super) fn add(&self, found: &Found, modal: &mut impl ModalBodies, workspace: &mut BodiesWorkspace<R>) {
         let &Self { substep: Substep { model, state, dt, .. }, of_point, of_cell, .. } = self;
         let [points, cells] = [of_point, of_cell].map(|number| &model.bodies[number]);
         let outside = Outside::of(model, [of_point, of_cell]);
         let (point, own) = outside.carried(found.point, points.particles.start);
         let carriers = found.carriers.map(|corner| cells.particles.start + corner as usize);
-        // The weights that make the point of the cell's particles where they are now: with them no moment is left over.
+        // With these weights the mean of the cell's particles, where they are now, is the point: no moment is left over.
         let is_modal = [of_point, of_cell].map(|body| modal.moves(body));
         let now = |particle: usize, is_modal: bool| {
             if is_modal { workspace.modal_now[particle] } else { state.position[particle].to_dvec3() }
@@ -39,7 +39,7 @@ impl<R: Real> Meeting<'_, R> {
         let at = own.mean(|particle| now(particle, is_modal[0]));
         let place = cell.locate(at, found.at, cells.lattice.grid.cell_size);
         if place.is_none() && of_point == of_cell {
-            // A body that turned itself by what it does to itself would not come to rest.
+            // A body that turned itself by contact with itself would not come to rest.
             return;
         }
         let cell = WeightedParticles::of_cell(carriers, Cell::weights(place.unwrap_or(found.at)));
@@ -58,8 +58,8 @@ impl<R: Real> Meeting<'_, R> {
         workspace.contacts.push(BodyContact { bodies, point, own, cell, normal, gap, nearer, force });
     }
 
-    /// Has a contact weigh its point and take off the corners of the cell that it is in, and tells how fast the first of them leaves
-    /// its body by the way out, m/s.
+    /// Gives a contact the shares of its point and, with negative weights, those of the cell that it is in. Returns them, and the
+    /// largest speed of one of the particles past its body along the way out, m/s.
     fn weigh(
         &self,
         found: &Found,

@@ -3,29 +3,31 @@
 //!
 //! ```text
 //! near        which bodies come near each other in the substep, and into how many parts it has to be divided for that
-//! itself      which come near themselves: what belongs together at rest is left out
+//! itself      which bodies come near themselves: points and cells that belong together at rest are left out
 //! find        which points would be inside which cells at its end, and the way out: a distance field of the body at rest
-//!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); which are near is kept for a while (neighbours, buckets)
-//! outside     what meets: particles of the outside or points of the mesh
-//! (weighted)  each is a contact of nine or sixteen weighted particles with one effective mass: the same force on the point as, turned
-//!             about, on the cell, where the point is: momentum and angular momentum stay as they are; a spring with critical
-//!             damping taken implicitly and Coulomb friction, all contacts together, in a fixed order; how far each is pressed
-//!             is in the state
-//! points      that of one body, by itself, and what it works in
-//! meeting     what is found, as contacts: who has which share in each
-//! record      what met, to be drawn and counted
+//!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); pairs that are near are kept for a while
+//!             (neighbours, buckets)
+//! outside     the points that meet cells: particles of the outside or points of the mesh
+//! (weighted)  each is a contact of nine or sixteen weighted particles with one effective mass; point and cell get opposite
+//!             forces at the same place, so that momentum and angular momentum stay as they are; a spring with critical
+//!             damping taken implicitly and Coulomb friction; all contacts are solved together, in a fixed order; how far
+//!             each spring is pressed is in the state
+//! points      workspace and results for the points of one body
+//! meeting     turns the points found into contacts, with the shares of particles and modal bodies in each
+//! record      contacts, to be drawn and counted
 //! ```
 //!
-//! A modal body moves as a whole: what a contact weighs of it is not a particle but how the point, or the cell where it is,
-//! moves by all of its modes ([`ModalBodies`]).
+//! A modal body moves as a whole: a contact does not weigh its particles but how the point, or the cell where it is, moves by
+//! all of its modes ([`ModalBodies`]).
 //!
-//! It changes the velocities that forces predict, before obstacles do: they have the last word, and nobody is pushed through
-//! the ground. All is worked out in double precision. Threads look for each body's points side by side, which changes nothing of
-//! what is found; what it comes to together is solved for by one, in the order of bodies and points.
+//! Contact changes the velocities that forces predict, before obstacles do: obstacles have the last word, and no body is pushed
+//! through the ground. All is computed in double precision. Threads search for the points of different bodies in parallel,
+//! which does not change what is found; one thread solves all contacts together, in the order of bodies and points.
 //!
 //! Follows Fisher and Lin, *Deformed distance fields for simulation of non-penetrating flexible bodies* (2001). Differs: the
 //! distance at rest is exact for a body made of cubes and kept by cell, not by corner, as all corners of a slab of one cell
-//! are on its outside; points are found where they would be at the end, so that what comes is stopped before it is inside.
+//! are on its outside; points are found where they would be at the end, so that a body that comes is stopped before it is
+//! inside.
 
 mod ahead;
 mod buckets;
@@ -172,14 +174,14 @@ fn find_points<R: Real>(substep: Substep<'_, R>, workspace: &mut BodiesWorkspace
     }
 }
 
-/// Writes the contacts of what was found down, with what they may move.
+/// Makes contacts of the points that were found, with the movers that they may change.
 fn constrain<R: Real>(
     substep: Substep<'_, R>,
     velocity: &[R::Vec3],
     modal: &mut impl ModalBodies,
     workspace: &mut BodiesWorkspace<R>,
 ) {
-    // Taken out, so that what is found may be written down beside it.
+    // Taken out, so that contacts may be added to the workspace meanwhile.
     let (pairs, points) = (std::mem::take(&mut workspace.pairs), std::mem::take(&mut workspace.points));
     for &[of_point, of_cell] in &pairs {
         let (inside, found) = points[of_point].found(of_cell);
@@ -193,7 +195,7 @@ fn constrain<R: Real>(
     (workspace.pairs, workspace.points) = (pairs, points);
 }
 
-/// Bodies meet nobody within this substep but in their sleep.
+/// Keeps only the contacts of sleeping bodies: no others meet within this substep.
 pub(in crate::physics) fn keep_apart<R: Real>(
     substep: Substep<'_, R>,
     workspace: &mut BodiesWorkspace<R>,
@@ -204,8 +206,8 @@ pub(in crate::physics) fn keep_apart<R: Real>(
     recorder.note_depth_between_bodies(0.0);
 }
 
-/// Damping of the springs of one body's points in another over the critical one, where so many are inside. Bodies that both move as
-/// wholes have no particle that a spring could stop for itself: together all of one's points in the other are damped as one is.
+/// Damping ratio of the springs of one body's points in another, of which `inside` are inside. Two modal bodies have no particle
+/// that a spring could stop on its own: all points of one in the other are together damped as a single one would be.
 fn damping_ratio(pair: [usize; 2], modal: &mut impl ModalBodies, inside: usize) -> f64 {
     if !pair.iter().all(|body| modal.moves(*body)) {
         return 1.0;
@@ -230,7 +232,7 @@ fn look_ahead<R: Real>(
         let first = model.bodies[these.start].particles.start;
         for (number, of_body) in these.zip(bodies) {
             let body = &model.bodies[number];
-            // What moves by its modes says itself where it is.
+            // A body that moves by its modes tells itself where it is.
             if of_body.is_modal {
                 continue;
             }
@@ -271,7 +273,7 @@ fn region_of_others<R: Real>(substep: Substep<'_, R>, workspace: &BodiesWorkspac
 
 fn overlap<R: Real>(workspace: &BodiesWorkspace<R>, is_broad: bool, pair: [usize; 2]) -> bool {
     let [one, other] = pair.map(|body| &workspace.bodies[body].bounds);
-    // What is not a number overlaps nothing, and the step is abandoned for it.
+    // A box that is not finite overlaps nothing, and the step is abandoned for it.
     let is_finite = |bounds: &Aabb<f64>| bounds.min.is_finite() && bounds.max.is_finite();
     is_finite(one) && is_finite(other) && (!is_broad || one.overlaps(other))
 }

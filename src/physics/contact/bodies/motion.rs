@@ -11,20 +11,20 @@ use crate::physics::state::{ModalState, State};
 /// Where a body is in the coming substep, and how fast.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct Motion<R: Real> {
-    /// Around where it is and where it would come to, m.
+    /// Box around where it is and where it would come to, m.
     pub(super) bounds: Aabb<R>,
-    /// Around its velocities, m/s.
+    /// Box around its velocities, m/s.
     pub(super) velocity: Aabb<R>,
 }
 
 impl<R: Real> Motion<R> {
-    /// That of none.
+    /// The motion of no body.
     pub(super) fn nowhere() -> Self {
         let at_rest = Aabb { min: R::Vec3::ZERO, max: R::Vec3::ZERO };
         Self { bounds: Aabb::empty(), velocity: at_rest }
     }
 
-    /// That of a body for so many seconds.
+    /// The motion of a body in the next `secs`.
     pub(super) fn of(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize, secs: R) -> Self {
         if let Some(modal) = &model.bodies[body].modal {
             return Self::of_modal(modal, &state.modal[body], secs);
@@ -39,7 +39,8 @@ impl<R: Real> Motion<R> {
         Self { bounds: at.joined(ahead), velocity }
     }
 
-    /// That of a modal body, whose particles are elsewhere: around all that it may reach as far as it swings now and as fast.
+    /// The motion of a modal body, whose particles the state does not place: boxes around all that it may reach with its present
+    /// amplitudes and rates.
     fn of_modal(modal: &ModalBody, state: &ModalState, secs: R) -> Self {
         let rest = modal.bounds;
         let [swing, speed] = [&state.amplitude, &state.mean_rate].map(|of| modal.swing(of.iter().copied()));

@@ -1,9 +1,9 @@
-//! Which bodies come near each other or themselves in a substep, and what that asks of it.
+//! Which bodies come near each other or themselves in a substep, and into how many parts that divides it.
 //!
-//! Boxes around the motion of whole bodies: where none overlap nothing else is looked at, and the substep is taken as it
-//! would be if there were one body only. Where two do, the substep is divided so that no point travels more than half a
-//! cell relative to what it may meet, and a body that sleeps is woken by one that comes. Whether a body is near itself is
-//! looked for where its particles can have come so far ([`super::itself`]).
+//! Compares boxes around the motion of whole bodies. Where none overlap, nothing else is tested, and the substep is taken as
+//! if there were one body only. Where two do, the substep is divided so that no point travels more than half a cell relative
+//! to what it may meet, and a sleeping body is woken by one that comes. Whether a body is near itself is tested only once its
+//! particles may have moved far enough for that ([`super::itself`]).
 
 use super::itself;
 use super::motion::Motion;
@@ -16,21 +16,21 @@ use crate::physics::state::State;
 use crate::physics::state::sleep;
 use crate::physics::team::{self, FEWEST_THAT_MEET};
 
-/// Points travel no further than this share of the smaller cell relative to what they may meet, or of how thick a mesh is, in a part
-/// of a substep.
+/// In a part of a substep points travel no further, relative to what they may meet, than this share of the smaller cell, or of
+/// the thickness of a mesh that is thinner.
 const LONGEST_WAY: f64 = 0.5;
 
 /// No part of a mesh is taken to be thinner than this, in cells.
 const THINNEST: f64 = 0.1;
 
-/// Boxes are grown by this share of the smaller cell: what forces add to the motion within a substep.
+/// Boxes are grown by this share of the smaller cell, for what forces add to the motion within a substep.
 const MARGIN: f64 = 0.25;
 
-/// No substep is divided further for that: at 1 ms and cells of 1 cm bodies are caught that meet at 1280 m/s.
+/// Most parts that a substep is divided into for that: at 1 ms and cells of 1 cm bodies are caught that meet at 1280 m/s.
 const MOST_PARTS: u32 = 256;
 
-/// Into how many parts the coming substep of so many seconds has to be divided for bodies that come near each other or
-/// themselves; none where none do. Wakes bodies that sleep where one comes.
+/// Returns into how many parts the coming substep of `secs` has to be divided for bodies that come near each other or
+/// themselves; none where none do. Wakes sleeping bodies where a moving one comes.
 pub(in crate::physics) fn parts<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -93,20 +93,20 @@ pub(in crate::physics) fn parts<R: Real>(
     Some(parts.max(by_way))
 }
 
-/// How thick what others may pass through is at least, m: a cell, or a mesh that is thinner.
+/// Returns the least thickness of a body that others might pass through, m: that of a cell, or of a mesh that is thinner.
 fn thickness<R: Real>(body: &BodyModel<R>) -> f64 {
     let cell = body.lattice.grid.cell_size;
     let skin = body.samples_among_bodies().and_then(|samples| samples.skin.as_ref());
     skin.map_or(cell, |skin| skin.thickness().clamp(THINNEST * cell, cell))
 }
 
-/// Whether two bodies meet at all: neither has fallen out of the scene, and both are to.
+/// Whether two bodies meet at all: neither has fallen out of the scene, and both are set to meet others.
 pub(super) fn may_meet<R: Real>(model: &Model<R>, state: &State<R>, pair: [usize; 2]) -> bool {
     pair.iter().all(|body| model.bodies[*body].meets_others() && !state.bodies[*body].gone)
 }
 
-/// Bodies that are near themselves and meet themselves. What is tied in a knot does not: its parts have to pass each other for
-/// recovery to undo it.
+/// Bodies that are near themselves and meet themselves. A knotted body does not: its parts have to pass each other for recovery
+/// to undo the knot.
 pub(super) fn near_themselves<R: Real>(model: &Model<R>, state: &State<R>) -> impl Iterator<Item = usize> {
     let bodies = model.bodies.iter().zip(&state.bodies).enumerate();
     let are_near = bodies.filter(|(_, (body, memory))| {
@@ -115,8 +115,8 @@ pub(super) fn near_themselves<R: Real>(model: &Model<R>, state: &State<R>) -> im
     are_near.map(|(number, _)| number)
 }
 
-/// Looks which bodies are near themselves: those whose particles may have moved past each other by as much as there was left
-/// at the last look, in the coming substep of so many seconds.
+/// Tests which bodies are near themselves. Looks only at bodies whose particles may, in the coming substep of `secs`, have moved
+/// past each other by as much as the last look allowed.
 fn look_at_each<R: Real>(
     model: &Model<R>,
     plan: &Plan,

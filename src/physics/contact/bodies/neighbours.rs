@@ -1,10 +1,11 @@
-//! Neighbour lists: which points of one body are so near which cells of another, or of the same, that they can be in them
-//! until bodies have moved past each other by more than a margin (Verlet, *Computer "experiments" on classical fluids*, 1967).
+//! Neighbour lists: pairs of a point of one body and a cell of another, or of the same, near enough for the point to get into
+//! the cell before the bodies have moved past each other by more than a margin (Verlet, *Computer "experiments" on classical
+//! fluids*, 1967).
 //!
-//! Lists are made of where the particles of each body were at some time, from which it has moved since by displacements within
-//! a box. A point is in the box around a cell only where it was in the one then, grown by as much as the two boxes of
-//! displacements lie apart. So what is found by them is what is found without, to the last bit, and they are no part of the
-//! state. Where one body flies past another, it alone is written down anew: lists of those that lie together stay.
+//! Lists are made from stored positions of the particles of each body; its displacements since lie within a box. A point is in
+//! the box around a cell only if it was in that box then, grown by as much as the two boxes of displacements lie apart. So
+//! a search with lists finds what one without does, to the last bit, and lists are no part of the state. Where one body flies
+//! past another, only its own positions are stored anew: lists of bodies that lie together stay.
 
 use std::ops::Range;
 
@@ -19,13 +20,13 @@ use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::team;
 
-/// How far bodies may move past each other until lists are made anew, in cells.
+/// How far bodies may move past each other until lists are rebuilt, in cells.
 const MARGIN: f64 = 0.15;
 
-/// The share of it that is used: the rest is rounding.
+/// The share of the margin that is used: the rest is for rounding error.
 const USED: f64 = 0.999;
 
-/// The share of it that a way is taken to be longer by, for rounding in what is near.
+/// A way is taken to be longer by this share of the margin, for rounding error in the distances of a list.
 const ROUNDING: f64 = 1e-3;
 
 /// A point that may be in a cell.
@@ -35,11 +36,11 @@ pub(super) struct Neighbour {
     pub(super) cell: u32,
     /// The point's place among those of the list.
     pub(super) place: u32,
-    /// How far outside the box around the cell the point was when the list was made, m; less than nothing inside.
+    /// How far outside the box around the cell the point was when the list was made, m; negative inside.
     beyond: f32,
 }
 
-/// The list of a pair, as it is looked through.
+/// The list of a pair, as it is searched.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Listed<'a> {
     /// The points that may be in cells, by their numbers on the outside of their body.
@@ -51,7 +52,7 @@ pub(super) struct Listed<'a> {
 }
 
 impl<'a> Listed<'a> {
-    /// What may be in each cell by now, of the cells where anything may be.
+    /// The points that may be in each cell by now, for the cells with any.
     pub(super) fn by_cell(self) -> impl Iterator<Item = (u32, impl Iterator<Item = u32> + use<'a>)> {
         let may_be_in = move |neighbour: &&Neighbour| neighbour.beyond <= self.way;
         let cells = self.pairs.chunk_by(|one, next| one.cell == next.cell);
@@ -66,21 +67,21 @@ impl<'a> Listed<'a> {
 /// Where bodies were when lists were made, and how far they have moved since.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Neighbours {
-    /// Where the particles of each body were, m.
+    /// The stored positions of the particles of each body, m.
     then: Vec<DVec3>,
     /// The box around the displacements of each body since, m.
     moved: Vec<Aabb<f64>>,
-    /// How often that of each body was written anew.
+    /// How often the positions of each body were stored.
     times: Vec<u32>,
 }
 
 impl Neighbours {
-    /// Room for so many particles of so many bodies.
+    /// Makes room for this many particles and bodies.
     pub(super) fn new(particles: usize, bodies: usize) -> Self {
         Self { then: Vec::with_capacity(particles), moved: Vec::with_capacity(bodies), times: vec![0; bodies] }
     }
 
-    /// Bodies would be there (m) at the end of the substep.
+    /// Updates the displacements; `ahead` is where particles would be at the end of the substep, m.
     pub(super) fn follow<R: Real>(&mut self, plan: &Plan, model: &Model<R>, ahead: &[DVec3]) {
         if self.then.len() != ahead.len() {
             self.then.clear();
@@ -99,8 +100,8 @@ impl Neighbours {
         });
     }
 
-    /// Has lists of these pairs be made anew where the two have moved past each other by more than these hold for: all of the one
-    /// that has moved further, and of the other too where that is not enough.
+    /// Stores positions anew where the bodies of a pair have moved past each other by more than the margin, so that their lists
+    /// are rebuilt. Renews only the body that moved further, and the other where that is not enough.
     pub(super) fn keep_up<R: Real>(&mut self, model: &Model<R>, pairs: &[[usize; 2]], ahead: &[DVec3]) {
         loop {
             let mut has_renewed = false;
@@ -108,7 +109,7 @@ impl Neighbours {
                 let mut order = *of;
                 order.sort_by(|one, other| self.furthest(*other).total_cmp(&self.furthest(*one)));
                 for body in order {
-                    // What is not a number is no way either.
+                    // A NaN distance counts as too far.
                     let way = self.way(*of);
                     if !way.is_nan() && way <= USED * margin(model, *of) {
                         break;
@@ -120,7 +121,7 @@ impl Neighbours {
                     has_renewed = true;
                 }
             }
-            // One of two that moved alike has now moved past the other.
+            // A renewed body has now moved past another that had moved along with it.
             if !has_renewed {
                 return;
             }
@@ -133,13 +134,13 @@ impl Neighbours {
         max.max(-min).max_element()
     }
 
-    /// How far the points of one body may have moved past the cells of another since both were written down, m.
+    /// How far the points of one body may have moved past the cells of another since the positions of both were stored, m.
     fn way(&self, of: [usize; 2]) -> f64 {
         let [points, cells] = of.map(|body| self.moved[body]);
         (points.max - cells.min).max(cells.max - points.min).max_element()
     }
 
-    /// Which times lists of a pair are of.
+    /// How often the positions of the two bodies of a pair were stored.
     fn times(&self, of: [usize; 2]) -> [u32; 2] {
         of.map(|body| self.times[body])
     }
@@ -148,7 +149,7 @@ impl Neighbours {
 /// No displacement.
 const NOWHERE: Aabb<f64> = Aabb { min: DVec3::ZERO, max: DVec3::ZERO };
 
-/// How far a pair may move past each other until its list is made anew, m.
+/// How far the bodies of a pair may move past each other until their list is rebuilt, m.
 fn margin<R: Real>(model: &Model<R>, [_, cells]: [usize; 2]) -> f64 {
     MARGIN * model.bodies[cells].lattice.grid.cell_size
 }
@@ -158,7 +159,7 @@ fn margin<R: Real>(model: &Model<R>, [_, cells]: [usize; 2]) -> f64 {
 struct List {
     /// The body whose cells they are.
     cells: usize,
-    /// Which times of the two it is of.
+    /// How often the positions of the two bodies had been stored when it was made.
     times: [u32; 2],
     points: Range<usize>,
     pairs: Range<usize>,
@@ -172,12 +173,12 @@ pub(super) struct Lists {
     points: Vec<u32>,
     /// By cell in each list, ascending.
     pairs: Vec<Neighbour>,
-    /// 1 for each point of the list that is being made that has neighbours, and then its place in the list.
+    /// For the list that is being made: 1 for each point that has neighbours, later its place in the list.
     place_of: Vec<u32>,
 }
 
 impl Lists {
-    /// Room for a body with so many points on its outside among so many bodies.
+    /// Makes room for a body with this many points on its outside, among this many bodies.
     pub(super) fn new(points: usize, bodies: usize) -> Self {
         Self {
             made: Vec::with_capacity(bodies.min(8)),
@@ -187,8 +188,8 @@ impl Lists {
         }
     }
 
-    /// The points on the outside of one body that may be in cells of another, and which these may be in; `seen` and `buckets` are
-    /// what it is worked out in.
+    /// Returns the points on the outside of one body that may be in cells of another, and the cells that they may be in. Makes
+    /// the list if it is missing or outdated; `seen` and `buckets` are its workspace.
     pub(super) fn list<R: Real>(
         &mut self,
         model: &Model<R>,
@@ -275,7 +276,7 @@ impl Lists {
                     }
                 }
             }
-            // Only those that have neighbours are in the list.
+            // Only points that have neighbours are in the list.
             let has_any = seen.iter().zip(&mut self.place_of).filter(|(_, place)| **place > 0);
             for ((seen, place), count) in has_any.zip(0..) {
                 *place = count;
@@ -298,7 +299,7 @@ pub(super) fn looked_at<R: Real>(body: &BodyModel<R>, is_itself: bool) -> impl I
     all.chain(outer.iter().copied())
 }
 
-/// The box around a cell of a body whose particles are there, m.
+/// The box around a cell of a body whose particles are at `own`, m.
 pub(super) fn around<R: Real>(body: &BodyModel<R>, cell: u32, own: &[DVec3]) -> Aabb<f64> {
     Aabb::<f64>::around(body.lattice.cells[cell as usize].iter().map(|corner| own[*corner as usize]))
 }
@@ -339,7 +340,7 @@ mod tests {
         places.map(|(particle, at)| *at + along(particle)).collect()
     }
 
-    /// What lists are made in.
+    /// The workspace that lists are made in.
     struct Room {
         neighbours: Neighbours,
         lists: [Lists; 2],

@@ -1,4 +1,4 @@
-//! What of a body meets the cells of others: the particles on its outside, or points of its mesh.
+//! The points of a body that meet the cells of others: the particles on its outside, or points of its mesh.
 
 use glam::DVec3;
 
@@ -18,10 +18,10 @@ pub(super) enum Outside<'a> {
 }
 
 impl<'a> Outside<'a> {
-    /// That of the first of a pair of bodies towards the second.
+    /// The points of the first of a pair of bodies that meet the second.
     pub(super) fn of<R: Real>(model: &'a Model<R>, [points, cells]: [usize; 2]) -> Self {
         let body = &model.bodies[points];
-        // A body and itself are told apart by which cells are around its particles.
+        // Contact of a body with itself leaves out the cells around each point, which are known for particles only.
         let samples = body.samples_among_bodies().filter(|_| points != cells);
         samples.map_or_else(|| Self::Particles(body.hull()), Self::Mesh)
     }
@@ -44,7 +44,7 @@ impl<'a> Outside<'a> {
         }
     }
 
-    /// Where a point of a body is whose particles are at `own`, m.
+    /// Where a point is, of a body whose particles are at `own`, m.
     pub(super) fn place(self, number: u32, own: &[DVec3]) -> DVec3 {
         match self {
             Self::Particles(hull) => own[hull.points[number as usize] as usize],
@@ -56,7 +56,7 @@ impl<'a> Outside<'a> {
         }
     }
 
-    /// Whether a cell with this lowest corner belongs to a point so that the two do not meet; asked of a body and itself.
+    /// Whether the cell with this lowest corner belongs to a point, so that the two do not meet in contact of a body with itself.
     pub(super) fn touch(self, number: u32, low: [u32; 3]) -> bool {
         match self {
             Self::Particles(hull) => hull.surroundings[number as usize].touch(low),
@@ -64,8 +64,8 @@ impl<'a> Outside<'a> {
         }
     }
 
-    /// The direction in which a point's own body ends there, of length 1: away from the middle of the cells around a particle, along
-    /// the normal of a mesh that has an inside. Nothing where that is not known.
+    /// The outward direction of a point, of length 1: away from the middle of the cells around a particle, or along the normal of
+    /// a mesh that has an inside. Zero where it is not known.
     pub(super) fn outward<R: Real>(self, body: &BodyModel<R>, number: u32, at: DVec3, own: &[DVec3]) -> DVec3 {
         let away = |corners: &mut dyn Iterator<Item = u32>| {
             let (sum, count) = corners.fold((DVec3::ZERO, 0.0), |(sum, count), p| (sum + own[p as usize], count + 1.0));
@@ -86,7 +86,7 @@ impl<'a> Outside<'a> {
         }
     }
 
-    /// Which point it is, and the particles that carry it: of a body whose first particle is `start`.
+    /// Which point it is, and the particles that carry it, in a body whose first particle is `start`.
     pub(super) fn carried(self, number: u32, start: usize) -> (BodyPoint, WeightedParticles) {
         match self {
             Self::Particles(hull) => {

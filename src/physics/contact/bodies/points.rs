@@ -1,5 +1,5 @@
-//! The points of one body, which of them are inside which others, and what that is found in: each body has its own, so that
-//! threads look after bodies side by side.
+//! Workspace for the points of one body, and which of them are inside which bodies. Each body has its own, so that threads work
+//! on bodies in parallel.
 
 use glam::DVec3;
 
@@ -8,16 +8,16 @@ use super::neighbours::Lists;
 use crate::physics::model::Surroundings;
 use crate::physics::report::Counters;
 
-/// What a point on the outside of a body is looked for and found in, bytes: with four buckets and a place in their order.
+/// Bytes of workspace for each point on the outside of a body, with four buckets and a place in their order.
 pub(in crate::physics) const BYTES_A_POINT: usize =
     size_of::<Seen>() + size_of::<Found>() + 4 * size_of::<u32>() + size_of::<usize>();
 
-/// What contact of one body's points works in, and what it found.
+/// Workspace and results for contact of one body's points.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PointsWorkspace {
-    /// The bodies in whose cells they may be, ascending; itself is the last.
+    /// The bodies in whose cells the points may be, ascending; the body itself comes last.
     pub(super) cells: Vec<usize>,
-    /// What was found of each of these.
+    /// The result for each of these bodies.
     pub(super) met: Vec<Met>,
     /// The points in cells, body after body.
     pub(super) found: Vec<Found>,
@@ -42,7 +42,7 @@ pub(super) struct Found {
     pub(super) normal: DVec3,
     /// How deep the point is inside along the normal, m.
     pub(super) depth: f64,
-    /// How far it is to a nearer side that it does not leave by, m.
+    /// How far it is to the nearest side, m, if that is nearer and the point does not leave by it.
     pub(super) nearer: Option<f64>,
 }
 
@@ -51,11 +51,11 @@ pub(super) struct Found {
 pub(super) struct Met {
     /// How many are inside.
     pub(super) inside: usize,
-    /// How many of all that were found are of this body or of those before it.
+    /// Where the points in this body end among all that were found.
     pub(super) until: usize,
 }
 
-/// What was looked at.
+/// Numbers of points and tests.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Looks {
     pub(super) points: u64,
@@ -64,7 +64,7 @@ pub(super) struct Looks {
 }
 
 impl PointsWorkspace {
-    /// Room for a body with so many points on its outside among so many bodies.
+    /// Makes room for a body with this many points on its outside, among this many bodies.
     pub(super) fn new(points: usize, bodies: usize) -> Self {
         Self {
             cells: Vec::with_capacity(bodies.min(points)),
@@ -86,7 +86,7 @@ impl PointsWorkspace {
         self.looks = Looks::default();
     }
 
-    /// How many points are inside another body, or folds of this one, and those that were found of them.
+    /// Returns how many points are inside another body, or folds of this one, and those of them that have a way out.
     pub(super) fn found(&self, cells: usize) -> (usize, &[Found]) {
         let Some(place) = self.cells.iter().position(|other| *other == cells) else { return (0, &[]) };
         let first = place.checked_sub(1).map_or(0, |before| self.met[before].until);
@@ -94,7 +94,7 @@ impl PointsWorkspace {
         (inside, &self.found[first..until])
     }
 
-    /// Counts what was looked at.
+    /// Adds the numbers of points and tests to the counters.
     pub(super) fn count(&self, counters: &mut Counters) {
         let Looks { points, tests, tests_saved } = self.looks;
         counters.points_looked_for += points;

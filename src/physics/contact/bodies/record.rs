@@ -1,4 +1,4 @@
-//! What contact found of one point of a body and the cell of another that it met.
+//! A contact of one point of a body and the cell of another that it met.
 
 use glam::DVec3;
 
@@ -21,7 +21,7 @@ pub struct BodyContact {
     pub normal: DVec3,
     /// Distance from the cell's body along the normal when the substep began, m; negative inside.
     pub gap: f64,
-    /// How far it was to a nearer side that the point was not let out by, m: a thin body's, most of the way through.
+    /// How far it was to a nearer side by which the point was not let out, m: that of a thin body it is most of the way through.
     pub nearer: Option<f64>,
     /// Mean force on the point over the substep, normal and friction, N; the cell has the opposite.
     pub force: DVec3,
@@ -61,7 +61,7 @@ impl WeightedParticles {
 
     /// The mean of something that each of them has.
     pub(super) fn mean(&self, of: impl Fn(usize) -> DVec3) -> DVec3 {
-        // One particle is itself to the last bit, also where it is not finite.
+        // The mean of one particle is its value to the last bit, also where that is not finite.
         if self.count == 1 {
             return of(self.particles[0]);
         }

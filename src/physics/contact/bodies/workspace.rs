@@ -1,4 +1,4 @@
-//! What contact between bodies works in, and what the last substep found.
+//! The workspace of contact between bodies, and the contacts of the last substep.
 
 use glam::DVec3;
 
@@ -21,24 +21,24 @@ pub(super) const WEIGHED: usize = 16;
 /// The same where the point is a particle.
 const OF_PARTICLE: usize = 9;
 
-/// What contact between bodies works in; of no length where there is none, nor for one body before it comes near itself.
+/// The workspace of contact between bodies; empty where there is no such contact, and for one body until it comes near itself.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     /// How fast the particles of each body move past each other, m/s.
     pub(in crate::physics) spreads: Vec<f64>,
-    /// What was remembered of each body's folds before the substep under way.
+    /// Whether each body was near itself before the present substep, and how far its particles might move until the next look.
     folds: Vec<(bool, f64)>,
     pub(super) motions: Vec<Motion<R>>,
     /// Where every particle would be at the end of the substep, m.
     pub(super) ahead: Vec<DVec3>,
-    /// Where those of modal bodies are when it begins, m, which the state does not say; of no length where there are none.
+    /// Where the particles of modal bodies are when it begins, m, which the state does not tell; empty where no body is modal.
     pub(super) modal_now: Vec<DVec3>,
-    /// The bodies there.
+    /// Each body at the end of the substep.
     pub(super) bodies: Vec<Ahead>,
     pub(super) neighbours: Neighbours,
     /// The bodies that may meet, of points and of cells, in the order in which they are solved for.
     pub(super) pairs: Vec<[usize; 2]>,
-    /// What each body's points work in, and what was found of them.
+    /// Workspace and results for each body's points.
     pub(super) points: Vec<PointsWorkspace>,
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
@@ -46,7 +46,7 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(in crate::physics) moved: Vec<(usize, R::Vec3)>,
     /// The pairs of bodies that pushed each other since this was cleared.
     pub(in crate::physics) met: Vec<[usize; 2]>,
-    /// What met in the last substep, in the order of bodies and points.
+    /// The contacts of the last substep, in the order of bodies and points.
     pub(in crate::physics) contacts: Vec<BodyContact>,
     /// Their springs as they are at its end, by body, point and the other body.
     pub(in crate::physics) presses: Vec<Press>,
@@ -70,7 +70,7 @@ impl<R: Real> BodiesWorkspace<R> {
         if self.ahead.len() == count {
             return;
         }
-        // Points of meshes are more, and make room for themselves once where that many meet.
+        // Meshes have more points than these; where that many meet, the lists grow once.
         let surfaces = || model.bodies.iter().map(|body| body.lattice.surface);
         let all: usize = surfaces().sum();
         *self = Self {
@@ -92,13 +92,13 @@ impl<R: Real> BodiesWorkspace<R> {
         };
     }
 
-    /// Remembers what is known of the folds of bodies, before it is looked for them.
+    /// Remembers which bodies are near themselves, before the next looks.
     pub(in crate::physics) fn remember_folds(&mut self, state: &State<R>) {
         self.folds.clear();
         self.folds.extend(state.bodies.iter().map(|memory| (memory.near_itself, memory.apart)));
     }
 
-    /// Nothing has been looked for.
+    /// Puts back what was remembered, as if there had been no looks.
     pub(in crate::physics) fn forget_looks(&self, state: &mut State<R>) {
         for (memory, folds) in state.bodies.iter_mut().zip(&self.folds) {
             (memory.near_itself, memory.apart) = *folds;
@@ -115,7 +115,7 @@ impl<R: Real> BodiesWorkspace<R> {
         self.touching().count()
     }
 
-    /// Forgets all contacts but those between bodies that sleep, and what these moved.
+    /// Forgets all contacts but those between sleeping bodies, and which particles were moved.
     pub(in crate::physics) fn keep_of_sleepers(&mut self, model: &Model<R>, plan: &Plan, state: &State<R>) {
         let both_sleep =
             |bodies: &[usize; 2]| bodies.iter().all(|body| !sleep::moves(model, plan, &state.bodies[*body]));

@@ -14,7 +14,7 @@ pub(super) fn nearest<R: Real>(radius: R, half_height: R, at: R::Vec3) -> Surfac
     Surface { normal, gap: distance - radius }
 }
 
-/// Where a line crosses the capsule: what it has inside of the two balls and of the cylinder between them is one piece.
+/// Where a line crosses the capsule: its parts inside the two balls and inside the cylinder between them join into one piece.
 pub(super) fn crossing<R: Real>(radius: R, half_height: R, from: R::Vec3, way: R::Vec3) -> Option<Crossing<R>> {
     let top = R::Vec3::new(R::ZERO, half_height, R::ZERO);
     let balls = [top, -top].map(|middle| round::within(radius, from - middle, way));

@@ -3,7 +3,7 @@
 use crate::math::{Real, Vector};
 use crate::physics::contact::surface::{Crossing, Surface};
 
-/// The axes in the order in which one is taken where several are as near: from the very middle it goes up.
+/// The axes in the order of preference among faces that are equally near: from the very middle the way is up.
 const ORDER: [usize; 3] = [1, 0, 2];
 
 /// The point of the surface nearest to a point; from inside it is on a face.
@@ -15,7 +15,7 @@ pub(super) fn nearest<R: Real>(half_extents: [R; 3], at: R::Vec3) -> Surface<R> 
         let [x, y, z] = std::array::from_fn(|axis| signed(axis, past[axis].max(R::ZERO)));
         let offset = R::Vec3::new(x, y, z);
         let gap = offset.length();
-        // What is outside by less than can be squared is outside of its first face.
+        // A point whose distance is too small to be squared counts by one face alone.
         if gap > R::ZERO {
             return Surface { normal: offset * (R::ONE / gap), gap };
         }

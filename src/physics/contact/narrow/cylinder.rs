@@ -4,7 +4,7 @@ use super::{cuboid, round};
 use crate::math::{Real, Vector};
 use crate::physics::contact::surface::{Crossing, Surface};
 
-/// The point of the surface nearest to a point; from the very axis to the side it is along x.
+/// The point of the surface nearest to a point; from the very axis the way to the side is along x.
 pub(super) fn nearest<R: Real>(radius: R, half_height: R, at: R::Vec3) -> Surface<R> {
     let [x, y, z] = at.components();
     let level = R::Vec3::new(x, R::ZERO, z);

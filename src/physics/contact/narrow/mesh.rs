@@ -8,9 +8,9 @@
 //!   ╱             ◌   ╲
 //! ```
 //!
-//! A mesh that is not closed has two sides, as a plane has: what touches it keeps the side that it came from as long as
-//! it is over the surface and behind it or moving into it. Which side that is, +1 or −1, is told by the normal of the
-//! nearest triangle; neighbours all face one way.
+//! A mesh that is not closed has two sides, as a plane has: a particle that touches it keeps the side that it came from as
+//! long as it is over the surface and behind it or moving into it. The side is +1 or −1 along the normal of the nearest
+//! triangle; neighbouring triangles all face one way.
 
 use glam::DVec3;
 
@@ -19,31 +19,32 @@ use crate::math::{Real, Vector};
 use crate::physics::contact::surface::Surface;
 use crate::physics::model::MeshModel;
 
-/// A point so near to the surface, over its length, has no direction to it but the normal.
+/// A point this near to the surface, over the length of the mesh, has no direction to it but the normal.
 const ON_IT: f64 = 1e-9;
 
-/// How much farther than its way the surface must be from a particle, over its length, to be left alone for what is known.
+/// How much farther than the reach of a particle the surface must be for the particle to be skipped by its cached distance,
+/// over the length of the mesh.
 const SPARE: f64 = 1e-9;
 
-/// What was found when a particle was last looked at closely: it makes the next look shorter and changes nothing else.
+/// Cached result of the last search for a particle: it makes the next search shorter and changes nothing else.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::physics) struct Known {
-    /// Where it was, in the mesh's own axes and unit.
+    /// Where the particle was, in the mesh's own axes and unit.
     at: DVec3,
-    /// How far the surface was then, at least; nothing where it was behind it.
+    /// Lower bound of the distance to the surface then; zero where the particle was behind it.
     clear: f64,
-    /// What was nearest; none before the first look.
+    /// The nearest point of the surface; none where only the bound was needed.
     nearest: Option<NearestPoint>,
-    /// How far it may go until another triangle may be nearest.
+    /// How far the particle may go until another triangle may be nearest.
     alone: f64,
 }
 
-/// Which triangles are nearest is found for so many times as far as a particle went since the last look: it goes about as far
-/// in every substep.
+/// A search tells which triangle stays nearest within this many times the distance that the particle went since the last one.
+/// A particle goes about as far in every substep.
 const LOOKS: f64 = 32.0;
 
 impl Known {
-    /// Whether the surface is known without a search not to be within `reach`.
+    /// Whether the surface is known, without a search, to be farther away than `reach`.
     #[inline]
     fn is_clear<R: Real>(&mut self, mesh: &MeshModel<R>, at: DVec3, reach: f64) -> bool {
         if self.clear > 0.0 && self.clear - at.distance(self.at) > reach + SPARE {
@@ -56,16 +57,16 @@ impl Known {
         least > reach
     }
 
-    /// How far the surface is from a point at least, over its length, as far as is known without a search; nothing where that
-    /// is not known.
+    /// Returns a lower bound of the distance from a point to the surface, over the length of the mesh, without a search; zero
+    /// where nothing is known.
     pub(in crate::physics::contact) fn least_distance<R: Real>(&self, mesh: &MeshModel<R>, at: DVec3) -> f64 {
         let seen = if self.clear > 0.0 { self.clear - at.distance(self.at) - SPARE } else { 0.0 };
         seen.max(mesh.surface.least_distance(at))
     }
 
-    /// Looks closely.
+    /// Searches for the nearest point of the surface.
     fn nearest<R: Real>(&mut self, mesh: &MeshModel<R>, at: DVec3) -> NearestPoint {
-        // It is asked about more than once in a substep.
+        // The same point is searched for more than once in a substep.
         if let Some(nearest) = self.nearest.filter(|_| at == self.at) {
             return nearest;
         }
@@ -92,7 +93,7 @@ pub(in crate::physics::contact) fn meet<R: Real>(
     meet_within(mesh, side, from, path, rounding_margin(mesh, from), known)
 }
 
-/// The same where rounding may move what is at `from` by `margin` (m).
+/// Does the same where rounding may move the point at `from` by `margin` (m).
 pub(in crate::physics::contact) fn meet_within<R: Real>(
     mesh: &MeshModel<R>,
     side: i8,
@@ -104,7 +105,7 @@ pub(in crate::physics::contact) fn meet_within<R: Real>(
     let (at, way) = (mesh.own(from), mesh.own_way(path.to_dvec3()));
     let margin = if mesh.side_row.is_some() { margin.to_f64() / mesh.length } else { 0.0 };
     let reach = way.length() + margin;
-    // What touches an open mesh may be deeper behind it than it moves.
+    // A particle that touches an open mesh may be deeper behind it than it moves.
     if side == 0 && known.is_clear(mesh, at, reach) {
         return None;
     }
@@ -155,7 +156,7 @@ fn meet_open<R: Real>(
     free()
 }
 
-/// The plane of an open mesh where a path ends so near to it that rounding may carry what goes there through it unseen.
+/// Returns the plane of an open mesh where a path ends so near to it that rounding may carry a particle through it unseen.
 fn ends_on<R: Real>(mesh: &MeshModel<R>, at: DVec3, way: DVec3, margin: f64) -> Option<(DVec3, f64)> {
     let end = at + way;
     if mesh.surface.is_beyond(end, margin) {
@@ -182,12 +183,12 @@ fn entered<R: Real>(mesh: &MeshModel<R>, at: DVec3, way: DVec3, from_outside: bo
     Some((normal, -way.dot(normal) * hit.t))
 }
 
-/// As the scene has it.
+/// Converts a normal and a gap to the axes and the unit of the scene.
 fn surface<R: Real>(mesh: &MeshModel<R>, normal: DVec3, gap: f64) -> Surface<R> {
     Surface { normal: R::Vec3::from_dvec3(mesh.in_scene(normal)), gap: R::from_f64(gap * mesh.length) }
 }
 
-/// How deep a point is behind the surface, m, and the way out; of an open mesh behind the side of its normals.
+/// Returns the way out and the depth, m, of a point behind the surface; for an open mesh, behind the side of its normals.
 pub(in crate::physics::contact) fn past<R: Real>(mesh: &MeshModel<R>, at: R::Vec3) -> Option<(R::Vec3, R)> {
     let at = mesh.own(at);
     if mesh.surface.is_beyond(at, 0.0) && mesh.side_row.is_none() {

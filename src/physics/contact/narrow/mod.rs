@@ -13,8 +13,8 @@ use super::surface::Surface;
 use crate::math::Real;
 use crate::physics::model::ObstacleShape;
 
-/// The surface as a particle meets it that starts at `from`, moves by `path` past the obstacle, and touched a plane
-/// or an open mesh on `side` before; none where it meets none.
+/// Returns the surface as met by a particle that starts at `from`, moves by `path` past the obstacle, and touched a plane or
+/// an open mesh on `side` before. None where it meets none.
 pub(super) fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, path: R::Vec3) -> Option<Surface<R>> {
     match shape {
         ObstacleShape::Plane(plane) => plane::meet(plane, side, from, path),

@@ -1,5 +1,5 @@
 //! Narrow phase against a closed convex form with axes of its own. Each form has a file that says how far a point is from
-//! its surface and where a line crosses it; what a particle makes of that is here, and the same for all.
+//! its surface and where a line crosses it. How a particle meets a form follows from that here, for all forms alike.
 //!
 //! ```text
 //!        from ●                    outside: the tangent plane where the path enters

@@ -19,7 +19,7 @@ pub(in crate::physics::contact) fn meet<R: Real>(
     meet_within(plane, side, from, path, rounding_margin(plane, from))
 }
 
-/// The same where rounding may move what is at `from` by `margin` (m).
+/// Does the same where rounding may move the point at `from` by `margin` (m).
 pub(in crate::physics::contact) fn meet_within<R: Real>(
     plane: &PlaneModel<R>,
     side: i8,

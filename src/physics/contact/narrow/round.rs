@@ -3,8 +3,8 @@
 use crate::math::{Real, Vector};
 
 /// The part of the line `from + t way` that is no farther than `radius` from the origin: t where it begins and ends. For
-/// the distance from an axis both are given without their part along it; the line may then stand still, which is inside
-/// all the time or never.
+/// the distance from an axis, `from` and `way` are given without their part along it. The line may then stand still, and is
+/// inside all the time or never.
 pub(super) fn within<R: Real>(radius: R, from: R::Vec3, way: R::Vec3) -> Option<[R; 2]> {
     let distance = from.length();
     let a = way.dot(way);

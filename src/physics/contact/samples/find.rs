@@ -12,8 +12,8 @@ use crate::physics::model::{ObstacleShape, Samples};
 use crate::physics::report::Counters;
 use crate::physics::step::substep::Substep;
 
-/// Adds what the points of a body meet with these velocities and is not among what was found before. Says whether there is
-/// any.
+/// Adds the contacts that the points of a body have with these velocities and that were not found before. Returns whether
+/// there are any.
 pub(super) fn find<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
@@ -87,8 +87,8 @@ pub(super) fn find<R: Real>(
     workspace.found.len() > before
 }
 
-/// The side of a plane that a point has come from which is on it, as far as rounding tells, and has not touched it: that of
-/// its cell. A body that begins on a plane has points on either side of it by rounding alone.
+/// Returns the side of a plane that a point came from if it is on the plane within rounding error and has not touched it: the
+/// side of its cell; else 0. A body that begins on a plane has points on either side of it by rounding alone.
 fn side_of_cell<R: Real>(shape: &ObstacleShape<R>, from: R::Vec3, widest: R::Vec3, middle: R::Vec3) -> i8 {
     let ObstacleShape::Plane(plane) = shape else { return 0 };
     let height = |at: R::Vec3| (at - plane.center).dot(plane.normal);

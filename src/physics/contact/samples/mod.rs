@@ -7,14 +7,14 @@
 //!      ├──┼─┼─┼──┤                     phase is that of particles, moving obstacles and the sides of planes included
 //!      │  │ │ │  │          (weighted) each is a contact of eight weighted particles with the effective mass 1 / Σ (w²/m): the
 //!      └──●─┴─●──┘ points              force goes to them by their weights, so that the sum of forces and of moments stays
-//!   ──────────────────  ground         as it is; all contacts of a body are found together, in a fixed order
-//!                           record     what met, to be drawn and counted; what touches goes into the state
+//!   ──────────────────  ground         as it is; all contacts of a body are solved together, in a fixed order
+//!                           record     contacts, to be drawn and counted; touches go into the state
 //! ```
 //!
-//! Pushing some points out may lead others in: points are looked for again with the velocities that contact leaves, until no
-//! more are met. It changes the velocities that forces predict, after other bodies did; all is worked out in double precision
-//! and by one thread, so any number of them comes to the same. Obstacles do no work but by their motion, and what springs hold
-//! is in the state: so no energy comes from nowhere at any stiffness, as [`super::weighted`] tells.
+//! Pushing some points out may lead others in: the search is repeated with the velocities that contact leaves, until it finds
+//! no more points. Contact changes the velocities that forces predict, after contact between bodies did. All is computed in
+//! double precision and by one thread, so the number of threads makes no difference. Obstacles do work only by their motion,
+//! and the energy of springs is in the state: so no energy comes from nowhere at any stiffness, see [`super::weighted`].
 
 mod find;
 mod near;
@@ -38,8 +38,8 @@ use crate::physics::report::Recorder;
 use crate::physics::state::touch::SampleTouch;
 use crate::physics::step::substep::Substep;
 
-/// How often points are looked for that only the velocities lead in which contact leaves; those that are found at last are
-/// remembered to be on the side that they came from, and are pushed in the next substep.
+/// How often the search is repeated for points that only the velocities after contact lead into an obstacle. Those found in the
+/// last search are remembered on the side that they came from, and are pushed in the next substep.
 const ROUNDS: usize = 4;
 
 /// Changes the predicted velocities of all particles that carry points which meet obstacles within this substep.
@@ -73,7 +73,7 @@ pub(in crate::physics) fn meet<R: Real>(
     workspace.touches.sort_unstable_by_key(SampleTouch::place);
 }
 
-/// Has what was found from a place on be a constraint.
+/// Makes constraints of the contacts that were found from place `first` on.
 fn constrain<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
@@ -130,7 +130,7 @@ fn law<R: Real>(substep: Substep<'_, R>, number: usize, obstacle: usize) -> Poin
     }
 }
 
-/// Solves all constraints of a body from the beginning, and writes the velocities that they leave.
+/// Solves all constraints of a body from zero impulses on, and writes the velocities that they leave.
 fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: &mut SamplesWorkspace) {
     let SamplesWorkspace { constraints, movers, .. } = workspace;
     constraints.iter_mut().for_each(PointConstraint::reset);
@@ -141,7 +141,7 @@ fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: 
     }
 }
 
-/// Writes down what met, what touches at the end of the substep, and the work of it.
+/// Records the contacts of a body, its touches at the end of the substep, and the work done.
 fn record<R: Real>(
     substep: Substep<'_, R>,
     number: usize,

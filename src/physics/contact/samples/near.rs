@@ -1,7 +1,7 @@
-//! Which obstacles and cells come near each other, so that points need not be looked at that cannot meet anything.
+//! Which obstacles and cells come near each other, so that points that cannot meet anything are skipped.
 //!
-//! Boxes are around motions and are never too small, so that what they leave out meets nothing: the outcome is bit for bit
-//! that of looking at everything.
+//! Boxes are around motions and never too small, so the points that they leave out meet nothing: the outcome is bit for bit
+//! that of testing everything.
 
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::placed::Placed;
@@ -11,10 +11,10 @@ use crate::physics::model::{Model, SampledCell, Samples};
 use crate::physics::state::State;
 use crate::physics::state::touch::SampleTouch;
 
-/// Boxes are grown by this share of a cell where it is looked ahead: what forces add to the motion within a substep.
+/// Boxes that look ahead are grown by this share of a cell, for what forces add to the motion within a substep.
 const MARGIN: f64 = 0.5;
 
-/// What rounding may take off a box, as a share of it and of how far out it is.
+/// How much rounding error may take off a box, as a share of its size and of its distance from the origin.
 const ROUNDING: f64 = 1e-5;
 
 /// Whether any body that meets obstacles with its mesh comes near one in the next `secs`, or touches one.
@@ -45,14 +45,15 @@ pub(in crate::physics) fn comes_near<R: Real>(
     })
 }
 
-/// The touches of a body, which are by point.
+/// The touches of a body, by point.
 pub(super) fn touches_of<R: Real>(state: &State<R>, body: usize) -> &[SampleTouch] {
     let first = state.touches.partition_point(|touch| touch.body < body);
     let count = state.touches[first..].iter().take_while(|touch| touch.body == body).count();
     &state.touches[first..first + count]
 }
 
-/// A box around the motion of the points of a cell whose body's particles are there (m) and so fast (m/s).
+/// Returns a box around the motion of a cell's points in the next `secs`. `position` (m) and `velocity` (m/s) are those of the
+/// body's particles.
 pub(super) fn motion<R: Real>(cell: &SampledCell, position: &[R::Vec3], velocity: &[R::Vec3], secs: R) -> Aabb<R> {
     let ends = cell.carriers.iter().flat_map(|carrier| {
         let at = position[*carrier as usize];
@@ -61,12 +62,12 @@ pub(super) fn motion<R: Real>(cell: &SampledCell, position: &[R::Vec3], velocity
     grown(Aabb::around(ends), cell.reach)
 }
 
-/// A box around all points of a body whose particles are in this one.
+/// Returns a box around all points of a body whose particles are in the box `bounds`.
 pub(super) fn around_all<R: Real>(bounds: Aabb<R>, samples: &Samples) -> Aabb<R> {
     grown(bounds, samples.cells.iter().fold(1.0, |reach, cell| reach.max(cell.reach)))
 }
 
-/// A box so many times as large about its middle, and a little larger still.
+/// Grows a box about its middle by the factor `times`, and a little more for rounding error.
 fn grown<R: Real>(bounds: Aabb<R>, times: f64) -> Aabb<R> {
     let half = (bounds.max - bounds.min) * R::from_f64(0.5);
     let far = bounds.max.max(-bounds.max).max(bounds.min.max(-bounds.min));

@@ -1,4 +1,4 @@
-//! What contact found of one point of a body's mesh and one obstacle.
+//! A contact of one point of a body's mesh and one obstacle.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! What contact on the meshes of bodies works in, and what the last substep found.
+//! The workspace of contact on the meshes of bodies, and the contacts of the last substep.
 
 use glam::DVec3;
 
@@ -14,7 +14,7 @@ use crate::physics::state::touch::SampleTouch;
 /// Particles that a contact weighs.
 const WEIGHED: usize = 8;
 
-/// A point of the body under work that meets an obstacle.
+/// A point of the present body that meets an obstacle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     /// The point, by its number in the body.
@@ -28,26 +28,26 @@ pub(super) struct Found {
     pub(super) surface_velocity: DVec3,
 }
 
-/// What contact on meshes works in; of no length where there is none.
+/// The workspace of contact on meshes; empty where there is no such contact.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct SamplesWorkspace {
     /// The first point of each body among those of all.
     pub(super) first: Vec<usize>,
-    /// What is known of every point and mesh obstacle, by point.
+    /// Cached search results of every point and mesh obstacle, by point.
     pub(super) known: Vec<Known>,
-    /// The obstacles that the body under work may meet.
+    /// The obstacles that the present body may meet.
     pub(super) near: Vec<usize>,
-    /// What the body under work meets.
+    /// The contacts of the present body.
     pub(super) found: Vec<Found>,
-    /// The same as points and obstacles, sorted.
+    /// The same as pairs of point and obstacle, sorted.
     pub(super) met: Vec<(usize, usize)>,
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
-    /// What met in the last substep, by body, point and obstacle.
+    /// The contacts of the last substep, by body, point and obstacle.
     pub(in crate::physics) contacts: Vec<SampleContact>,
-    /// What touches at its end.
+    /// The touches at its end.
     pub(in crate::physics) touches: Vec<SampleTouch>,
-    /// The deepest of them then, m.
+    /// The greatest depth then, m.
     pub(in crate::physics::contact) deepest: f64,
 }
 
@@ -81,7 +81,7 @@ impl SamplesWorkspace {
         self.contacts.iter().filter(|contact| contact.force != DVec3::ZERO).count()
     }
 
-    /// Forgets all but what bodies keep in their sleep.
+    /// Forgets all contacts and touches but those of sleeping bodies.
     pub(in crate::physics) fn keep_of_sleepers<R: Real>(&mut self, state: &State<R>) {
         self.contacts.retain(|contact| state.bodies[contact.body].asleep);
         self.touches.clear();

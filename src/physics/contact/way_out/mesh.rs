@@ -1,4 +1,5 @@
-//! The way out of a mesh: to where most of what is inside is nearest to the surface, away from its middle, or up.
+//! The way out of a mesh: where most points inside are nearest to the surface, along its normals where lines through the
+//! body pierce it, away from its middle, or up.
 
 use glam::DVec3;
 
@@ -7,16 +8,16 @@ use super::way::{SAME_MIDDLE, WayOut, shortest};
 use crate::math::{Real, Vector};
 use crate::physics::model::{MeshModel, ObstacleShape};
 
-/// What is out on one side of a mesh may be in on the next: so often a way is made longer.
+/// Most times that a way is made longer: a point that leaves one part of a mesh may enter the next.
 const ROUNDS: usize = 12;
 
-/// Farther ahead of what is in the box around a mesh there is nothing of it.
+/// Nothing of a mesh is farther ahead of a point in the box around it, over the length of the mesh.
 const REACH: f64 = 8.0;
 
-/// What is this far out of a mesh, over its length, is out.
+/// A point this far out of a mesh, over the length of the mesh, counts as out.
 const CLEAR: f64 = 1e-6;
 
-/// The shortest of some ways out; `was` is what the body met before, if it was one like it.
+/// Returns the shortest of some ways out. `was` is the obstacle that the body met before; it counts if it was a mesh.
 pub(super) fn way_out<R: Real>(
     points: &MeetingPoints<'_, R>,
     mesh: &MeshModel<R>,
@@ -32,7 +33,7 @@ pub(super) fn way_out<R: Real>(
         let at = mesh.own(at);
         if mesh.surface.holds(at) { mesh.surface.nearest(at).distance * mesh.length } else { 0.0 }
     };
-    // As deep as it was in contact before, a particle may stay.
+    // A particle may stay as deep as it was in contact before.
     let allowed = |at: R::Vec3| was.map_or(0.0, |was| depth(was, at)) + margin;
     let free = || points.free().map(|(_, at)| at);
     let inside = free().filter(|at| depth(mesh, *at) > allowed(*at));
@@ -48,7 +49,7 @@ pub(super) fn way_out<R: Real>(
     let facing: DVec3 = pierced.iter().map(|(_, normal)| *normal).sum();
     let up = (-model.gravity.to_dvec3()).try_normalize().unwrap_or(DVec3::Y);
     let radial = points.middle() - mesh.center.to_dvec3();
-    // Where the middles meet, what is between them is rounding and no direction.
+    // Where the middles coincide, the vector between them is rounding error and no direction.
     let told = (radial.length() > SAME_MIDDLE * body.size.to_f64()).then_some(radial);
     let [outwards, facing] = [outwards, facing].map(|own| mesh.in_scene(own));
     let ways = [outwards, facing, -facing, up].into_iter().chain(told).filter_map(DVec3::try_normalize);
@@ -80,8 +81,8 @@ fn length_out<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f64
     gone
 }
 
-/// How far points have to go until none of them has any of the mesh ahead: where lines go right through it, points on
-/// both its sides are outside.
+/// How far points have to go until no part of the mesh is ahead of any of them. Used where lines go right through the mesh:
+/// points on both sides of it are outside.
 fn length_past<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f64 {
     let last = |at: &DVec3| {
         let back = mesh.surface.pierced(*at + way * REACH, way * -REACH, false);
@@ -90,7 +91,7 @@ fn length_past<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f6
     points.iter().map(last).fold(0.0, f64::max)
 }
 
-/// Where lines through the body go through it, in its own axes and unit, with the normals there.
+/// Where lines through the body go through the mesh, in the mesh's own axes and unit, with the normals there.
 fn pierced<R: Real>(points: &MeetingPoints<'_, R>, mesh: &MeshModel<R>) -> Vec<(DVec3, DVec3)> {
     let ends = points.lines().map(|ends| ends.map(|end| mesh.own(end)));
     let pierced = ends.filter_map(|[a, b]| {

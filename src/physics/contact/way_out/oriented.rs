@@ -9,7 +9,7 @@ use crate::physics::contact::narrow::oriented::{crossing, nearest};
 use crate::physics::contact::surface::Crossing;
 use crate::physics::model::{ObstacleShape, OrientedForm, OrientedModel};
 
-/// The shortest of some ways out; `was` is what the body met before, if it was one like it.
+/// Returns the shortest of some ways out. `was` is the obstacle that the body met before; it counts if it was of this kind.
 pub(super) fn way_out<R: Real>(
     points: &MeetingPoints<'_, R>,
     obstacle: &OrientedModel<R>,
@@ -23,7 +23,7 @@ pub(super) fn way_out<R: Real>(
     };
     let free = || points.free().map(|(_, at)| at.to_dvec3());
     let margin = 8.0 * R::EPSILON.to_f64() * (size(&solid.form) + solid.center.abs().max_element());
-    // As deep as it was in contact before, a particle may stay.
+    // A particle may stay as deep as it was in contact before.
     let allowed = |at: DVec3| was.as_ref().map_or(0.0, |was| depth(was, at).max(0.0));
     let is_inside = |at: DVec3| depth(&solid, at) > allowed(at) + margin;
     let pierced = pierced(points, &solid);
@@ -42,7 +42,7 @@ pub(super) fn way_out<R: Real>(
     let gravity = model.gravity.to_dvec3();
     let up = (-gravity).try_normalize().unwrap_or(DVec3::Y);
     let radial = points.middle() - solid.center;
-    // Where the middles meet, what is between them is rounding and no direction.
+    // Where the middles coincide, the vector between them is rounding error and no direction.
     let told = (radial.length() > SAME_MIDDLE * body.size.to_f64()).then_some(radial);
     let axes = solid.axes.into_iter().flat_map(|axis| [axis, -axis]);
     let ways = axes.chain([up]).chain(told).filter_map(DVec3::try_normalize);
@@ -55,7 +55,7 @@ fn depth(solid: &OrientedModel<f64>, at: DVec3) -> f64 {
     -nearest(&solid.form, solid.own(at - solid.center)).gap
 }
 
-/// Where lines through the body go right through it: it may be thinner than a cell.
+/// Points inside an obstacle where lines through the body go right through it: it may be thinner than a cell.
 fn pierced<R: Real>(points: &MeetingPoints<'_, R>, solid: &OrientedModel<f64>) -> Vec<DVec3> {
     let ends = points.lines().map(|ends| ends.map(Vector::to_dvec3));
     let pierced = ends.filter_map(|[a, b]| {
@@ -65,7 +65,7 @@ fn pierced<R: Real>(points: &MeetingPoints<'_, R>, solid: &OrientedModel<f64>) -
     pierced.collect()
 }
 
-/// The form with its surface so much farther out, m; or farther in, to nothing at most.
+/// The form with its surface moved out by `by`, m; moved in where that is negative, down to zero size.
 fn grown(form: &OrientedForm<f64>, by: f64) -> OrientedForm<f64> {
     let grown = |length: f64| (length + by).max(0.0);
     match *form {

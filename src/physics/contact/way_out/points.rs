@@ -1,4 +1,4 @@
-//! What of a body meets obstacles: its particles, or points of its mesh.
+//! The points of a body that meet obstacles: its particles, or points of its mesh.
 
 use glam::DVec3;
 
@@ -13,11 +13,11 @@ pub(in crate::physics::contact) struct MeetingPoints<'a, R: Real> {
     /// The number of the body.
     pub(super) number: usize,
     pub(super) body: &'a BodyModel<R>,
-    /// Those of all particles, m.
+    /// The positions of all particles, m.
     pub(super) position: &'a [R::Vec3],
     /// The points of its mesh, where those meet obstacles.
     samples: Option<&'a Samples>,
-    /// Which of its particles carry such points; nothing where there are none.
+    /// Which of its particles carry such points; empty where there are none.
     carry: Vec<bool>,
 }
 
@@ -37,7 +37,7 @@ impl<'a, R: Real> MeetingPoints<'a, R> {
         Self { model, number, body, position, samples, carry }
     }
 
-    /// Whether they are of the body's mesh.
+    /// Whether the points are those of the body's mesh.
     pub(super) fn are_on_mesh(&self) -> bool {
         self.samples.is_some()
     }
@@ -48,7 +48,7 @@ impl<'a, R: Real> MeetingPoints<'a, R> {
         sum / self.body.particles.len().max(1) as f64
     }
 
-    /// Those that are free to move, with their numbers: of particles in the state, or of points in the body.
+    /// The points that are free to move, with their numbers: those of particles in the state, or of mesh points in the body.
     pub(super) fn free(&self) -> impl Iterator<Item = (usize, R::Vec3)> {
         let particles = free(self.body).filter(|_| self.samples.is_none());
         let particles = particles.map(|particle| (particle, self.position[particle]));
@@ -64,8 +64,8 @@ impl<'a, R: Real> MeetingPoints<'a, R> {
         particles.chain(samples)
     }
 
-    /// Lines through the body that no obstacle may cut: its links; where its mesh meets obstacles, links within, and lines
-    /// from points to the middles of their cells, as corners of cells may reach through an obstacle that the mesh is off.
+    /// Lines through the body that no obstacle may cut: its links. Where its mesh meets obstacles, only links within, and lines
+    /// from points to the middles of their cells: corners of cells may reach through an obstacle that the mesh does not touch.
     pub(super) fn lines(&self) -> impl Iterator<Item = [R::Vec3; 2]> {
         let links = self.body.links.iter().flat_map(|family| family.links.iter());
         let within = links.filter(|link| !link.ends.iter().any(|end| self.carries(*end)));

@@ -5,10 +5,10 @@ use glam::DVec3;
 use crate::math::Real;
 use crate::physics::model::BodyModel;
 
-/// How many times its length a way counts that leads straight down: there may be a floor.
+/// A way that leads straight down counts this many times its length, as there may be a floor.
 const DOWNWARDS: f64 = 4.0;
 
-/// Middles this near each other, over the body's size, are in one place.
+/// Middles this near each other, over the body's size, count as one place.
 pub(super) const SAME_MIDDLE: f64 = 1e-6;
 
 /// A way out.

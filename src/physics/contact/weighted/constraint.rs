@@ -1,41 +1,41 @@
-//! A contact of a point with what it meets, and what it does to the particles that the point is a mean of.
+//! A contact of a point with a cell or an obstacle, and what it does to the particles whose mean the point is.
 //!
-//! The point is a weighted mean of particles; where it meets a cell of another body, the weights of the cell's particles are
-//! taken off, and where it meets an obstacle, the velocity of its surface: so its speed past what it meets is `u = Σ w v − s`,
-//! and what resists it the effective mass `1 / Σ (w²/m)`. An impulse J changes each particle by `w J / m`. The weights of a
-//! point sum to one and those of a cell to −1, and either mean is where they meet: so the sum of what the particles get is
-//! what the point gets, and so is the sum of the moments. Of a modal body the mean moves by all of its motions
-//! ([`super::modal`]), and the effective mass is another along each direction.
+//! The point is a weighted mean of particles. Where it meets a cell of another body, the cell's particles count with negative
+//! weights; where it meets an obstacle, the velocity s of the surface is subtracted. So the relative velocity is
+//! `u = Σ w v − s`, and the effective mass is `1 / Σ (w²/m)`. An impulse J changes the velocity of each particle by `w J / m`.
+//! The weights of a point sum to 1 and those of a cell to −1, and both means are where they meet: so the impulses on the
+//! particles of either side sum to J or −J, and their moments to its moment. The mean of a modal body moves by all of its
+//! motions ([`super::modal`]), and its effective mass depends on the direction.
 //!
-//! Along the normal it is the response of obstacles ([`crate::physics::contact::response`]), a spring with critical damping
-//! taken implicitly: pressed by p and with the speed `u` at the end, `J = dt (k (p − dt u) − d u)`.
+//! Along the normal the contact responds as at obstacles ([`crate::physics::contact::response`]), by a spring with critical
+//! damping taken implicitly: pressed by p and with the speed `u` at the end, `J = dt (k (p − dt u) − d u)`.
 //!
-//! What presses the spring is the speed, not the place: a point that finds itself deep inside, as its body began there, or
-//! its way out is another of a sudden, has no energy to give. It is parted from what it is in at a gentle speed.
+//! Motion presses the spring, not position: a point that finds itself deep inside, because its body began there or its way
+//! out suddenly changed, has no energy to give. It is parted from the other body or obstacle at a gentle speed.
 
 use glam::DVec3;
 
 use super::law::PointLaw;
 use super::movers::{Mover, Movers, Shares};
 
-/// A contact as the rounds of solving know it.
+/// A contact as the rounds of solving use it.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics::contact) struct PointConstraint {
     shares: Shares,
-    /// The velocity of the surface that the point meets, m/s; nothing where particles are what it meets.
+    /// The velocity of the surface that the point meets, m/s; zero where it meets a cell.
     carried: DVec3,
-    /// The inverse of the effective mass along the normal and, at least, across it, 1/kg.
+    /// The inverse of the effective mass along the normal, and an upper bound of that across it, 1/kg.
     mobility: [f64; 2],
     normal: DVec3,
-    /// What the spring does to a speed that is nothing, N·s.
+    /// The impulse of the spring at zero speed, N·s.
     push: f64,
-    /// What the spring and its damping resist a speed with, kg.
+    /// The impulse of the spring and its damping against a speed, over that speed, kg.
     resistance: f64,
-    /// The least speed along the normal, m/s: nothing comes deeper than the limit, or than it was.
+    /// The least speed along the normal, m/s: the point gets no deeper than the limit, or than it was.
     slowest: f64,
-    /// The speed that a point deeper than its spring is pressed is parted with, m/s, ...
+    /// The speed at which a point is parted that is deeper than its spring is pressed, m/s.
     parting: f64,
-    /// ... and the most that is done for it, N·s.
+    /// The largest impulse for parting it, N·s.
     most_parting: f64,
     spring: SpringBefore,
     law: PointLaw,
@@ -47,11 +47,12 @@ pub(in crate::physics::contact) struct PointConstraint {
 /// The spring of a contact when a substep begins.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics::contact) struct SpringBefore {
-    /// How deep the point is inside, m; less than nothing outside.
+    /// How deep the point is inside, m; negative outside.
     pub(in crate::physics::contact) depth: f64,
-    /// How far the spring is pressed, m; no more than that.
+    /// How far the spring is pressed, m; no more than the depth.
     pub(in crate::physics::contact) pressed: f64,
-    /// How fast the first of its particles leaves its own body by the way that it would be parted, m/s: it was parted before.
+    /// The largest speed of one of its particles past its own body in the direction of parting, m/s: the contact was parted
+    /// before.
     pub(in crate::physics::contact) leaving: f64,
 }
 
@@ -62,31 +63,31 @@ impl SpringBefore {
     }
 }
 
-/// What a contact gives the bodies, J.
+/// The energy that a contact gives the bodies, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::physics::contact) struct Given {
     /// By its push, and to its spring.
     pub(in crate::physics::contact) normal: f64,
-    /// By friction: less than nothing, if it is one.
+    /// By friction: negative where it brakes.
     pub(in crate::physics::contact) friction: f64,
     /// The most that parting may give.
     pub(in crate::physics::contact) parting: f64,
 }
 
-/// What is pushed moves by less than rounding where its mobility is below this, 1/kg.
+/// Below this mobility a push moves nothing by more than rounding error, 1/kg.
 const HELD: f64 = 1e-12;
 
-/// Points are parted by this share of what they are too deep in a second at most.
+/// In a second, points are parted by at most this many times the depth by which they are too deep.
 const PARTING_RATE: f64 = 10.0;
 
-/// What parts them pushes no harder than gives them that speed in one over this, 1/s, beside the weight on them: links that pull
-/// them together are not worked against for ever.
+/// The force that parts points is at most the load on them and what gives them that speed in one over this, 1/s. So it does not
+/// work for ever against links that pull them together.
 const PARTING_PUSH: f64 = 100.0;
 
-/// A spring is pressed no further than takes so many times what it pushes with: rounds settle to less than this.
+/// A spring is pressed no further than if it pushed this many times as hard as it does: the rounds settle to a smaller error.
 const UNSETTLED: f64 = 2.0;
 
-/// Which friction is worked out.
+/// Which friction is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::physics::contact) enum Rubbing {
     Nothing,
@@ -98,13 +99,13 @@ pub(in crate::physics::contact) enum Rubbing {
 pub(in crate::physics::contact) struct Where {
     /// Unit normal, away from what it meets.
     pub(in crate::physics::contact) normal: DVec3,
-    /// The velocity of the surface that it meets, m/s; nothing where particles are what it meets.
+    /// The velocity of the surface that it meets, m/s; zero where it meets a cell.
     pub(in crate::physics::contact) carried: DVec3,
 }
 
 impl PointConstraint {
-    /// A contact that weighs these shares of the movers, as it is when a substep of `dt` (s) begins. None where all of them
-    /// are held.
+    /// Sets up a contact with these shares of the movers, as it is when a substep of `dt` (s) begins. None where all of the
+    /// movers are held.
     pub(in crate::physics::contact) fn new(
         law: &PointLaw,
         movers: &Movers,
@@ -120,7 +121,8 @@ impl PointConstraint {
         let damping = 2.0 * law.damping_ratio * (law.stiffness / along).sqrt();
         let resistance = dt * (dt * law.stiffness + damping);
         let SpringBefore { depth, pressed, leaving } = spring;
-        // Where one is soft and light, each cell would be parted from the next, faster and faster, and the body blown up.
+        // A contact that already leaves fast is not parted: in a soft, light body each cell would be parted from the next,
+        // faster and faster, and the body would blow up.
         let parting = if leaving < law.gentle { law.gentle.min(PARTING_RATE * spring.beyond()) } else { 0.0 };
         let most_parting = dt * (law.load + PARTING_PUSH * parting / along);
         let push = dt * law.stiffness * pressed.min(law.depth_limit);
@@ -142,7 +144,7 @@ impl PointConstraint {
         })
     }
 
-    /// Forgets what it did.
+    /// Sets its impulse to zero.
     pub(in crate::physics::contact) fn reset(&mut self) {
         (self.pushed, self.rubbed) = (0.0, DVec3::ZERO);
     }
@@ -152,7 +154,7 @@ impl PointConstraint {
         self.normal * self.pushed + self.rubbed
     }
 
-    /// Does what the others leave it to do. Tells by how much its impulse changed, N·s.
+    /// Solves this contact for the velocities that the others leave. Returns by how much its impulse changed, N·s.
     pub(in crate::physics::contact) fn solve(&mut self, rubbing: Rubbing, movers: &mut Movers) -> f64 {
         let past = self.past(movers);
         let along = past.dot(self.normal);
@@ -164,7 +166,7 @@ impl PointConstraint {
         let pushed = sprung.max(parted.min(self.most_parting)).max(stopped).max(0.0);
         let mut change = self.normal * (pushed - self.pushed);
         self.pushed = pushed;
-        // What is far deeper than its spring is pressed does not rub: points that leave by all sides would hold each other.
+        // A point far deeper than its spring is pressed does not rub: points that leave by all sides would hold each other.
         if rubbing == Rubbing::Coulomb && across > HELD && self.spring.beyond() <= self.law.depth_limit {
             let sliding = past - self.normal * along;
             let wanted = self.rubbed - sliding * (1.0 / across);
@@ -179,7 +181,7 @@ impl PointConstraint {
         change.length()
     }
 
-    /// The speed of the point past what it meets, m/s.
+    /// The velocity of the point relative to what it meets, m/s.
     pub(in crate::physics::contact) fn past(&self, movers: &Movers) -> DVec3 {
         movers.now(self.shares) - self.carried
     }
@@ -190,8 +192,8 @@ impl PointConstraint {
         pressed_at_end(self.spring.pressed, way, self.pushed / (dt * self.law.stiffness)).min(self.law.depth_limit)
     }
 
-    /// What it gives the bodies in a substep of `dt` (s), J: the energy of their motion and what its spring has more. An impulse
-    /// changes the energy of motion by itself times the mean of the speeds before and after.
+    /// Returns the energy that the contact gives the bodies in a substep of `dt` (s), J: kinetic energy and what its spring
+    /// gains. An impulse changes the kinetic energy by its product with the mean of the velocities before and after.
     pub(in crate::physics::contact) fn given(&self, movers: &Movers, dt: f64) -> Given {
         let mean = 0.5 * (movers.before(self.shares) - self.carried + self.past(movers));
         Given {
@@ -201,8 +203,9 @@ impl PointConstraint {
         }
     }
 
-    /// What parting the two, and keeping them from going deeper, does in a substep of `dt` (s) in which movers have these velocities in the mean (m/s), J: the force
-    /// times the way. What pulls them together may be as strong, so that nothing moves any faster.
+    /// Returns the work of parting the two, and of keeping them from getting deeper, in a substep of `dt` (s), J: the force
+    /// times the way, with the movers' mean velocities `mean` (m/s). The forces that pull them together may be as strong, so
+    /// that nothing moves any faster.
     pub(in crate::physics::contact) fn parting_work(
         &self,
         mean: impl Fn(&Mover) -> DVec3,
@@ -216,16 +219,16 @@ impl PointConstraint {
         (self.pushed * mean.dot(self.normal) + self.stored(movers, dt)).max(0.0)
     }
 
-    /// What its spring has more at the end of a substep of `dt` (s), J.
+    /// Returns the energy that its spring gains in a substep of `dt` (s), J.
     fn stored(&self, movers: &Movers, dt: f64) -> f64 {
         self.law.energy(self.pressed_at_end(movers, dt)) - self.law.energy(self.spring.pressed)
     }
 }
 
-/// How far a spring is pressed at the end of a substep, m, that was pressed so far `before` and whose point went so far out of
-/// it, all in m: no further than it was, or by far than takes what it pushes with, whose push is that of a spring pressed by
-/// `carrying`. Where rounds end before all contacts have settled, others lead the point deeper than that, and its spring would
-/// have energy that nobody gave.
+/// Returns how far a spring is pressed at the end of a substep that was pressed by `before`, whose point went out by `way`, and
+/// whose push is that of a spring pressed by `carrying`, all in m. That is no more than `before` or `UNSETTLED` times `carrying`:
+/// where rounds end before all contacts have settled, others lead the point deeper, and its spring would have energy from
+/// nowhere.
 pub(in crate::physics) fn pressed_at_end(before: f64, way: f64, carrying: f64) -> f64 {
     (before - way).clamp(0.0, before.max(UNSETTLED * carrying))
 }

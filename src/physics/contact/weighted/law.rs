@@ -1,12 +1,13 @@
 //! How hard a contact of a point pushes and rubs.
 
-/// Stiffness of a spring that nobody chose over the mass of the particle it has to carry, 1/s².
+/// Default stiffness of a contact spring over the mass of the particle it has to carry, 1/s².
 pub(in crate::physics) const STIFFNESS_OVER_MASS: f64 = 1e5;
 
-/// Nothing rests, or ends a step, deeper in what it meets than this share of its body's size.
+/// Depth limit: nothing rests, or ends a step, deeper in what it meets than this share of its body's size.
 pub const DEPTH_SHARE: f64 = 0.02;
 
-/// What is inside something without having pressed leaves it no faster than this share of its body's size in a second.
+/// A point that is inside something without having pressed its spring leaves no faster than this share of its body's size in a
+/// second.
 pub(in crate::physics) const GENTLE_SHARE: f64 = 0.5;
 
 /// The law of a contact.
@@ -16,18 +17,18 @@ pub(in crate::physics) struct PointLaw {
     pub(in crate::physics::contact) stiffness: f64,
     /// Its damping over the critical one.
     pub(in crate::physics::contact) damping_ratio: f64,
-    /// Deeper than this it pushes no harder, m; and nothing comes deeper that was not.
+    /// Deeper than this the spring pushes no harder, m; and no point gets deeper that was not.
     pub(in crate::physics::contact) depth_limit: f64,
     /// The most that one point may have to carry, N.
     pub(in crate::physics::contact) load: f64,
-    /// How fast what is deeper than its spring is pressed leaves at most, m/s.
+    /// Largest speed at which a point leaves that is deeper than its spring is pressed, m/s.
     pub(in crate::physics::contact) gentle: f64,
     /// Coulomb's coefficients, at rest and sliding.
     pub(in crate::physics::contact) friction: [f64; 2],
 }
 
 impl PointLaw {
-    /// The energy of a point's spring that is pressed so far (m), J.
+    /// Returns the energy of a point's spring that is `pressed` (m), J.
     pub(in crate::physics) fn energy(&self, pressed: f64) -> f64 {
         let sprung = pressed.clamp(0.0, self.depth_limit);
         0.5 * self.stiffness * sprung * sprung

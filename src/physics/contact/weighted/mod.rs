@@ -1,9 +1,9 @@
-//! Contacts of points that are weighted means of particles, or move as a modal body does, and what they do together: a particle of one body in a cell of
-//! another ([`super::bodies`]), a point of a body's mesh at an obstacle ([`super::samples`]).
+//! Contacts of points that are weighted means of particles, or belong to a modal body, solved together: a particle of one body
+//! in a cell of another ([`super::bodies`]), a point of a body's mesh at an obstacle ([`super::samples`]).
 //!
 //! ```text
-//! movers      the particles that contacts may change, and which contact weighs which how much
-//! modal       the same of modal bodies, which move as a whole
+//! movers      the particles that contacts may change, and their weights in each contact
+//! modal       the same for modal bodies, which move as a whole
 //! law         how hard a contact pushes and rubs
 //! constraint  one contact, with one effective mass
 //! solve       all of them together, in a fixed order

@@ -1,7 +1,7 @@
-//! Modal bodies among what contacts may change: what a contact weighs of one moves by all of its motions at once.
+//! Modal bodies that contacts may change: the mean of particles that a contact weighs moves by all of a body's motions at once.
 //!
 //! ```text
-//!   u = u* + Pᵀ a      a ← a + w P J        P  how the mean of particles moves by each motion, w  what that yields
+//!   u = u* + Pᵀ a      a ← a + w P J        P  how the mean of particles moves by each motion, w  how far each one yields
 //! ```
 
 use glam::DVec3;
@@ -10,7 +10,7 @@ use crate::math::Aabb;
 
 /// Modal bodies in a substep. All in the scene's coordinates.
 pub(in crate::physics) trait ModalBodies {
-    /// Whether a body is one that moves in it.
+    /// Whether a body moves by its modes in this substep.
     fn moves(&self, body: usize) -> bool;
 
     /// A box around all of its particles over the substep, m.
@@ -19,28 +19,28 @@ pub(in crate::physics) trait ModalBodies {
     /// How fast it moves on the whole, m/s.
     fn drift(&mut self, body: usize) -> DVec3;
 
-    /// Writes where its particles are when the substep begins and would be at its end, m: of those that belong to cells in which
-    /// a point of this region may be.
+    /// Writes where its particles are when the substep begins and would be at its end, m. Only those of cells that a point of
+    /// this region may be in are written.
     fn look_ahead(&mut self, body: usize, region: &Aabb<f64>, places: [&mut [DVec3]; 2]);
 
-    /// What an impulse of 1 changes of the rate of each of its motions.
+    /// By how much an impulse of 1 changes the rate of each of its motions.
     fn yields(&self, body: usize) -> impl Iterator<Item = f64>;
 
-    /// How fast the mean of some of its particles (local numbers, and weights that sum to one) is on the whole if nothing
-    /// pushes, m/s; and by each motion, which is added to `rows`.
+    /// Returns how fast the mean of some of its particles (local numbers, and weights that sum to one) moves if nothing pushes,
+    /// m/s. Adds to `rows` how the mean moves by each motion.
     fn weigh(&mut self, body: usize, particles: &[(usize, f64)], rows: &mut Vec<DVec3>) -> DVec3;
 
     /// Damping of a contact's spring over the critical one, if it has to stand for the give of such a body alone.
     fn damping_ratio(&mut self, body: usize) -> f64;
 
-    /// Has obstacles and a hand do what all others leave them to, which changed the rates of a body's motions by so much. Tells
-    /// by how much one of their impulses changed at most, N·s.
+    /// Solves the obstacles and the hand at a body for what all other contacts leave. `change` is the change of the rates of its
+    /// motions so far. Returns the largest change of one of their impulses, N·s.
     fn round(&mut self, body: usize, change: &mut [f64]) -> f64;
 
-    /// Forgets what the rounds did.
+    /// Forgets what [`ModalBodies::round`] did.
     fn reset(&mut self);
 
-    /// The rates of a body's motions were changed by so much, rounds included.
+    /// Takes over the change of the rates of a body's motions, including that by [`ModalBodies::round`].
     fn take(&mut self, body: usize, change: &[f64]);
 }
 
@@ -85,13 +85,13 @@ impl ModalBodies for () {
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics::contact) struct ModalMover {
     pub(in crate::physics::contact) body: usize,
-    /// What an impulse of 1 changes of the rate of each motion.
+    /// By how much an impulse of 1 changes the rate of each motion.
     yields: Vec<f64>,
-    /// What contacts changed of the rates.
+    /// By how much contacts have changed the rates.
     pub(in crate::physics::contact) change: Vec<f64>,
 }
 
-/// What a contact weighs of a modal body.
+/// The share of a modal body in a contact.
 #[derive(Clone, Copy, Debug)]
 struct ModalShare {
     /// The place of the body among those that contacts may change.
@@ -102,7 +102,7 @@ struct ModalShare {
     weight: f64,
     /// The speed without contacts, m/s.
     before: DVec3,
-    /// What an impulse of 1 changes of the speed along all three axes together, 1/kg.
+    /// By how much an impulse of 1 changes the speed, summed over the three axes, 1/kg.
     yields: f64,
 }
 
@@ -148,7 +148,7 @@ impl ModalMovers {
         &mut self.all[..self.count]
     }
 
-    /// The place of a body, which is put there if it is not there yet.
+    /// Returns the place of a body, which is added if it is not there yet.
     fn place(&mut self, body: usize, modal: &impl ModalBodies) -> usize {
         if let Some(known) = self.all[..self.count].iter().position(|mover| mover.body == body) {
             return known;
@@ -166,7 +166,7 @@ impl ModalMovers {
         self.count - 1
     }
 
-    /// Has the next contact weigh the mean of particles of a body so much. Tells how fast that is without contacts, m/s.
+    /// Adds the mean of particles of a body with this weight to the next contact. Returns its velocity without contacts, m/s.
     #[expect(clippy::cast_possible_truncation, reason = "bodies and contacts are fewer")]
     pub(in crate::physics::contact) fn weigh(
         &mut self,
@@ -191,7 +191,7 @@ impl ModalMovers {
         self.shares.len() as u32
     }
 
-    /// The shares that were weighed since there were so many.
+    /// The shares that were added since there were `first` of them.
     pub(in crate::physics::contact) fn since(&self, first: u32) -> ModalShares {
         ModalShares { first, count: self.shares() - first }
     }
@@ -203,8 +203,7 @@ impl ModalMovers {
         })
     }
 
-    /// What an impulse of 1 along a normal changes of a contact's speed along it, and of that across it along both axes
-    /// together, 1/kg.
+    /// By how much an impulse of 1 changes a contact's speed along a normal, and across it, summed over both axes, 1/kg.
     pub(super) fn mobility(&self, shares: ModalShares, normal: DVec3) -> [f64; 2] {
         self.of(shares).fold([0.0; 2], |[mut along, mut across], (_, row, mover)| {
             for (way, yields) in row.iter().zip(&mover.yields) {
@@ -216,12 +215,12 @@ impl ModalMovers {
         })
     }
 
-    /// The speed that a contact has of them without contacts, m/s.
+    /// The part of modal bodies in a contact's velocity without contacts, m/s.
     pub(in crate::physics::contact) fn before(&self, shares: ModalShares) -> DVec3 {
         self.of(shares).fold(DVec3::ZERO, |sum, (share, ..)| sum + share.before * share.weight)
     }
 
-    /// The same with what contacts have done.
+    /// The same with what contacts have changed.
     pub(super) fn now(&self, shares: ModalShares) -> DVec3 {
         self.of(shares).fold(DVec3::ZERO, |sum, (share, row, mover)| {
             let changed = row.iter().zip(&mover.change).fold(DVec3::ZERO, |sum, (way, change)| sum + *way * *change);
@@ -229,7 +228,7 @@ impl ModalMovers {
         })
     }
 
-    /// Changes the rates of what a contact weighs by an impulse on its point, N·s.
+    /// Applies an impulse on a contact's point, N·s, to the modal bodies in it.
     pub(super) fn push(&mut self, shares: ModalShares, impulse: DVec3) {
         for share in &self.shares[shares.first as usize..][..shares.count as usize] {
             let ModalMover { yields, change, .. } = &mut self.all[share.mover as usize];
@@ -240,12 +239,12 @@ impl ModalMovers {
         }
     }
 
-    /// What contacts changed is gone.
+    /// Forgets what contacts have changed.
     pub(super) fn forget_changes(&mut self) {
         self.all().iter_mut().for_each(|mover| mover.change.fill(0.0));
     }
 
-    /// About the energy of what contacts weigh, J.
+    /// About the kinetic energy of the shares of all contacts, J.
     pub(super) fn energy(&self) -> f64 {
         let moving = self.shares.iter().filter(|share| share.yields > 0.0);
         moving.map(|share| 0.5 / share.yields * share.before.length_squared()).sum()

@@ -1,4 +1,4 @@
-//! The particles and modal bodies that contacts of points may change, and how much of each point they are.
+//! The particles and modal bodies that contacts of points may change, and their weights in each contact.
 
 use glam::DVec3;
 
@@ -20,13 +20,13 @@ pub(in crate::physics::contact) struct Mover {
     pub(in crate::physics::contact) before: DVec3,
 }
 
-/// What a contact has of a mover.
+/// The share of a mover in a contact.
 #[derive(Clone, Copy, Debug)]
 struct Share {
-    /// Its place among all.
+    /// The mover's place among all.
     place: u32,
     weight: f64,
-    /// What an impulse of 1 on the contact's point changes of its speed, 1/kg.
+    /// By how much an impulse of 1 on the contact's point changes the mover's speed, 1/kg.
     yields: f64,
 }
 
@@ -34,17 +34,17 @@ struct Share {
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics::contact) struct Movers {
     pub(in crate::physics::contact) all: Vec<Mover>,
-    /// The velocities that they have, m/s.
+    /// Their present velocities, m/s.
     pub(in crate::physics::contact) velocity: Vec<DVec3>,
     /// Contact after contact.
     shares: Vec<Share>,
     /// The place of every particle of the scene among all.
     place_of: Vec<u32>,
-    /// What moves by modes.
+    /// The modal bodies.
     pub(in crate::physics::contact) modal: ModalMovers,
 }
 
-/// Which particles a contact weighs, and how much: a range of what [`Movers`] hold.
+/// Which particles and modal bodies a contact weighs, and how much: ranges of the shares in [`Movers`].
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics::contact) struct Shares {
     first: u32,
@@ -53,7 +53,7 @@ pub(in crate::physics::contact) struct Shares {
 }
 
 impl Movers {
-    /// Room for a scene of so many particles, of which contacts weigh so many in all.
+    /// Makes room for a scene of this many particles, with `weighed` shares in all contacts.
     pub(in crate::physics::contact) fn new(particles: usize, weighed: usize) -> Self {
         Self {
             all: Vec::with_capacity(particles),
@@ -83,7 +83,7 @@ impl Movers {
         self.modal.forget_changes();
     }
 
-    /// The place of a particle of a body, which is put there if it is not there yet.
+    /// Returns the place of a particle of a body, which is added if it is not there yet.
     pub(in crate::physics::contact) fn place<R: Real>(
         &mut self,
         substep: Substep<'_, R>,
@@ -107,7 +107,7 @@ impl Movers {
         *place
     }
 
-    /// Has a contact weigh these places, and what it weighs of modal bodies.
+    /// Adds the shares of a contact: places with their weights, and its shares of modal bodies.
     pub(in crate::physics::contact) fn weigh(
         &mut self,
         shares: impl Iterator<Item = (u32, f64)>,
@@ -131,8 +131,8 @@ impl Movers {
         &self.shares[shares.first as usize..][..shares.count as usize]
     }
 
-    /// What an impulse of 1 along a normal changes of a contact's speed along it, 1/kg; and no less than what one across
-    /// it changes of the speed across.
+    /// By how much an impulse of 1 along a normal changes a contact's speed along it, 1/kg; and an upper bound of the same
+    /// across it.
     pub(super) fn mobility(&self, shares: Shares, normal: DVec3) -> [f64; 2] {
         let of_particles = self.of(shares).map(|(mover, w)| w * w * mover.mobility).sum::<f64>();
         if shares.modal.are_none() {
@@ -141,19 +141,19 @@ impl Movers {
         self.modal.mobility(shares.modal, normal).map(|of_modal| of_particles + of_modal)
     }
 
-    /// The speed of a contact without any, m/s.
+    /// The velocity of a contact without any contacts, m/s.
     pub(in crate::physics::contact) fn before(&self, shares: Shares) -> DVec3 {
         let of_particles = self.of(shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + mover.before * weight);
         if shares.modal.are_none() { of_particles } else { of_particles + self.modal.before(shares.modal) }
     }
 
-    /// The speed of a contact, where particles have these, m/s.
+    /// The velocity of a contact if particles have the velocities `of`, m/s.
     pub(super) fn with(&self, shares: Shares, of: impl Fn(&Mover) -> DVec3) -> DVec3 {
         let of_particles = self.of(shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + of(mover) * weight);
         if shares.modal.are_none() { of_particles } else { of_particles + self.modal.now(shares.modal) }
     }
 
-    /// The speed of a contact, m/s.
+    /// The present velocity of a contact, m/s.
     pub(super) fn now(&self, shares: Shares) -> DVec3 {
         let particles = self.own(shares).iter();
         let of_particles =
@@ -161,7 +161,7 @@ impl Movers {
         if shares.modal.are_none() { of_particles } else { of_particles + self.modal.now(shares.modal) }
     }
 
-    /// Changes the velocities of what a contact weighs by an impulse on its point, N·s.
+    /// Applies an impulse on a contact's point, N·s, to everything that the contact weighs.
     pub(super) fn push(&mut self, shares: Shares, impulse: DVec3) {
         let Self { velocity, shares: of_all, modal, .. } = self;
         for share in &of_all[shares.first as usize..][..shares.count as usize] {

@@ -1,9 +1,9 @@
-//! What contacts of points do together: projected Gauss–Seidel, in a fixed order.
+//! Solves contacts of points together: projected Gauss–Seidel, in a fixed order.
 //!
-//! Without friction the rounds go down a convex function of the impulses, which is nothing where they are nothing: wherever
-//! they end, the particles have gained no more than the springs lost and parting gives. Friction has no such function. Where
-//! it gives energy, or has the others give more, it is left out, and the rounds are gone again. Where modal bodies are met,
-//! their obstacles and a hand that pulls them go through the rounds as well; what these give is theirs.
+//! Without friction the rounds descend a convex function of the impulses, which is zero at zero impulses: wherever they end,
+//! the particles have gained no more energy than the springs lost and parting gives. Friction has no such function. If it
+//! gives energy, or makes the others give more, the rounds are repeated without it. Where modal bodies are met, their
+//! obstacles and a hand that pulls them take part in the rounds; the energy that these give is not counted here.
 
 use super::constraint::{Given, PointConstraint, Rubbing};
 use super::modal::ModalBodies;
@@ -20,11 +20,11 @@ const SETTLED_SHARE: f64 = 1e-3;
 const MODAL_ROUNDS: usize = 32;
 const MODAL_SETTLED_SHARE: f64 = 1e-6;
 
-/// Energies are known to this share of what moves.
+/// Rounding error of energies, as a share of the kinetic energy.
 const ROUNDING: f64 = 1e-12;
 
 /// Finds the impulses of all contacts in a substep of `dt` (s) and the velocities that they leave. Obstacles and a hand at modal
-/// bodies do their part in each round.
+/// bodies take part in each round.
 pub(in crate::physics::contact) fn solve(
     constraints: &mut [PointConstraint],
     movers: &mut Movers,
@@ -42,7 +42,7 @@ pub(in crate::physics::contact) fn solve(
     }
 }
 
-/// What all contacts give the bodies together.
+/// The energy that all contacts together give the bodies.
 fn given(constraints: &[PointConstraint], movers: &Movers, dt: f64) -> Given {
     constraints.iter().fold(Given::default(), |sum, constraint| {
         let Given { normal, friction, parting } = constraint.given(movers, dt);

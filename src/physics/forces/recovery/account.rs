@@ -1,8 +1,8 @@
-//! What recovery takes from the energy of a body, and what it gives back.
+//! The account of a body: the energy that recovery takes from it, and what it gives back.
 //!
-//! The push takes: a cell that is on its way back gets half of what it gave. Soft links take what they hold as they come
-//! home, and what they lose in flowing; while something stretches them they hold more than was put into them. The pull
-//! brings energy with it when it is switched on. Nothing may be given that was not taken:
+//! The push takes energy: a cell gets back as little as half of what it gave. Soft links take the energy that they hold as
+//! they return to their rest length, and what they lose in flowing; but links that something stretches hold more than was
+//! put into them. The pull brings in energy when it is switched on. Recovery may give no more than it took:
 //!
 //! ```text
 //! taken  +=  − ΔU − F·Δx                    push and pull, of energy U and force F, on the way Δx of a substep
@@ -10,11 +10,11 @@
 //!            − Δp W                         the share p of the pull is switched on
 //! ```
 //!
-//! Where nothing is left, links that would be stretched are as hard as ever, see [`super::soft_links`], and the pull grows no
-//! stronger, see [`super::pull`].
+//! Where nothing is left, links that would be stretched keep their whole force, see [`super::soft_links`], and the pull
+//! grows no stronger, see [`super::pull`].
 //!
-//! Differences are taken over two substeps, the last and the coming one, and halved: a force of semi-implicit Euler works
-//! on the mean velocity of both, or a spring would seem to gain as it swings.
+//! Differences are taken over two substeps, the last and the coming one, and halved: a force of semi-implicit Euler works at
+//! the mean velocity of both. Otherwise a spring would seem to gain energy as it swings.
 
 use super::edges::{MeanEdges, Strength, mean_edges};
 use super::pull;
@@ -25,7 +25,7 @@ use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::team::{self, FEWEST_THAT_MEET};
 
-/// Settles what recovery took in a substep of a scheme, as long as that (s), before particles move by `path` (m/s).
+/// Books what recovery took in a substep of a scheme, of length `dt` (s), before particles move with velocity `path` (m/s).
 pub(in crate::physics) fn settle<R: Real>(
     (model, plan): (&Model<R>, &Plan),
     (scheme, dt): (Scheme, R),
@@ -53,7 +53,7 @@ pub(in crate::physics) fn settle<R: Real>(
     });
 }
 
-/// Where the particles of a body are, what brought them there and what takes them on.
+/// The positions of a body's particles, m, the velocities that brought them there and those that move them on, m/s.
 #[derive(Clone, Copy)]
 struct Motion<'a, R: Real> {
     position: &'a [R::Vec3],
@@ -63,7 +63,7 @@ struct Motion<'a, R: Real> {
     dt: R,
 }
 
-/// What push and pull take, J.
+/// Returns what push and pull take, J.
 fn of_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_, R>) -> f64 {
     let Motion { position, velocity, path, scheme, dt } = motion;
     let push = body.recovery.push;
@@ -96,7 +96,7 @@ fn of_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_
     taken
 }
 
-/// What soft links take, J.
+/// Returns what soft links take, J.
 fn of_soft_links<R: Real>(
     body: &BodyModel<R>,
     memory: &BodyMemory,

@@ -3,33 +3,33 @@
 use crate::math::{Real, Vector};
 use crate::physics::model::{BodyModel, Scheme};
 
-/// A cell below this signed volume is pushed back to shape.
+/// A cell below this signed volume is pushed back into shape.
 pub(super) const THRESHOLD: f64 = 0.3;
 
-/// Cells nearer to the threshold than this are watched: what inverts between two looks has mostly been here before.
+/// Cells nearer to the threshold than this are watched: most cells that invert between two checks were this near before.
 pub(super) const WATCH: f64 = 0.4;
 
 /// The push stops growing at this depth.
 pub(super) const DEEPEST: f64 = 2.0;
 
-/// The share of the push that is left at least while a cell is on its way back.
+/// The least share of the push that is left while a cell is on its way back.
 const RETURNED: f64 = 0.5;
 
-/// The damper stops no more than this share of the speed of the push's fastest mode, of a rate of `4 d/m`, in a substep of an
-/// explicit scheme: the shorter these are, the nearer it comes to taking half of all that is on its way back.
+/// In a substep of an explicit scheme the damper d takes no more than this share of the speed of the push's fastest mode,
+/// which it damps at a rate of `4 d/m`. The shorter the substeps, the nearer it comes to halving every push on the way back.
 const STOPPED_SHARE: f64 = 0.5;
 
-/// How hard cells are pushed back to shape.
+/// How hard cells are pushed back into shape.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Strength<R> {
     /// The stiffness over the cell size, N.
     stiffness: R,
-    /// Of the damper that takes from a push while the mean edges grow, N·s/m; an infinite one takes all that it may.
+    /// The damping that weakens a push while the mean edges grow, N·s/m; if infinite, as far as it may.
     damping: R,
 }
 
 impl<R: Real> Strength<R> {
-    /// That of a stiffness (N·m) of a body's cells in a substep of `dt` (s) of a scheme.
+    /// The strength for a stiffness (N·m) of a body's cells in a substep of `dt` (s) of a scheme.
     pub(super) fn of(body: &BodyModel<R>, stiffness: R, scheme: Scheme, dt: R) -> Self {
         let damping = match scheme {
             Scheme::Implicit => R::from_f64(f64::INFINITY),
@@ -38,14 +38,15 @@ impl<R: Real> Strength<R> {
         Self { stiffness: stiffness * body.inverse_cell_size, damping }
     }
 
-    /// That of a stiffness of one, of which half is left of all that is on its way back.
+    /// The strength for a stiffness of one, of which half is left on the way back.
     #[cfg(test)]
     pub(super) fn one() -> Self {
         Self { stiffness: R::ONE, damping: R::from_f64(f64::INFINITY) }
     }
 
-    /// A force for a stiffness of one, as it acts while the mean edges grow along it at this speed (m/s), N. Halved as soon as a
-    /// cell is on its way back it would have what rests on it tremble: held by more than half of it, and by less than all.
+    /// Scales a force for a stiffness of one, N, and damps it while the mean edges grow along it at this speed (m/s). If the
+    /// push were simply halved on the way back, a load would tremble that rests on the cell and weighs more than half the
+    /// push and less than all of it.
     #[inline]
     pub(super) fn times(self, force: R, growth: R) -> R {
         let whole = self.stiffness * force;
@@ -53,12 +54,12 @@ impl<R: Real> Strength<R> {
     }
 }
 
-/// Whether a cell of this signed volume is inverted.
+/// Whether a cell with this signed volume is inverted.
 pub(super) fn is_inverted(volume: f64) -> bool {
     volume <= 0.0
 }
 
-/// The differences of some quantity along a cell's three axes, the mean of the four edges each.
+/// Returns the differences of some quantity along a cell's three axes, each the mean over four edges.
 #[inline]
 pub(super) fn mean_edges<R: Real>(of: &[R::Vec3], corners: &[u32; 8], scale: R) -> [R::Vec3; 3] {
     let at = corners.map(|corner| of[corner as usize]);
@@ -74,7 +75,8 @@ pub(super) fn mean_edges<R: Real>(of: &[R::Vec3], corners: &[u32; 8], scale: R) 
     ]
 }
 
-/// Adds forces on the mean edges of a cell to those on its corners: a quarter to each end, the opposite to the other.
+/// Adds the forces on a cell's mean edges to the forces on its corners: a quarter to each corner at an edge's high end, the
+/// opposite at the low end.
 #[inline]
 pub(super) fn spread<R: Real>(edge_forces: &[R::Vec3; 3], corners: &[u32; 8], force: &mut [R::Vec3]) {
     let quarter = R::from_f64(0.25);
@@ -86,7 +88,7 @@ pub(super) fn spread<R: Real>(edge_forces: &[R::Vec3; 3], corners: &[u32; 8], fo
     }
 }
 
-/// The mean edges along a cell's axes, and the cross products of the other two each, in cell sizes.
+/// The mean edges along a cell's axes, and for each the cross product of the other two, in cell sizes.
 pub(super) struct MeanEdges<R: Real> {
     pub(super) edges: [R::Vec3; 3],
     pub(super) faces: [R::Vec3; 3],
@@ -104,13 +106,13 @@ impl<R: Real> MeanEdges<R> {
         self.edges[0].dot(self.faces[0])
     }
 
-    /// The largest face, at least 1: what the push is divided by.
+    /// Returns the size of the largest face, at least 1: the divisor of the push.
     pub(super) fn cap(&self) -> R {
         self.faces.iter().fold(R::ONE, |largest, face| largest.max(face.length()))
     }
 
-    /// How far below the threshold the cell is as a length: the height over its largest face that it lacks, in cell sizes.
-    /// A wide cell's volume changes a lot over a short way.
+    /// Returns how far below the threshold the cell is as a length: the height over its largest face that it lacks, in cell
+    /// sizes. A wide cell's volume changes a lot over a short way.
     #[inline]
     fn depth(&self, cap: R) -> R {
         self.missing() / cap
@@ -121,7 +123,8 @@ impl<R: Real> MeanEdges<R> {
         R::from_f64(THRESHOLD) - self.volume()
     }
 
-    /// Whether the cell is below the threshold, or so near above it that it is watched: what [`super::near`] finds, one by one.
+    /// Whether the cell is below the threshold, or near enough above it to be watched: the test of [`super::near`] for one
+    /// cell.
     #[cfg(test)]
     pub(super) fn is_near_inversion(&self) -> bool {
         let above = -self.missing();
@@ -134,24 +137,24 @@ impl<R: Real> MeanEdges<R> {
         self.edges.iter().fold(R::ZERO, |longest, edge| longest.max(edge.length()))
     }
 
-    /// Whether the cell is pushed: below the threshold and not so far stretched that its volume is no number.
+    /// Whether the cell is pushed: below the threshold and not stretched so far that its volume is infinite or NaN.
     #[inline]
     pub(super) fn is_pushed(&self) -> bool {
         self.missing().is_finite() && self.missing() > R::ZERO
     }
 
-    /// The energy for a stiffness of one.
+    /// Returns the energy for a stiffness of one.
     pub(super) fn energy(&self) -> f64 {
         let depth = self.depth(self.cap()).to_f64();
         let sprung = depth.min(DEEPEST);
-        // Where the volume is no number, neither is this.
+        // An infinite volume gives no finite energy, a NaN volume gives zero.
         if self.missing() > R::ZERO { sprung * (depth - 0.5 * sprung) } else { 0.0 }
     }
 
-    /// What the mean edges would have to gain for the cell to lack less: C times how the depth falls with them, the faces by
-    /// which the volume grows, and as much of how C grows as the cell is deep; the latter only in a cell that is not becoming
-    /// wider at these `rates`. Without it a cell that becomes narrower while it is crushed would gain energy that nobody
-    /// gave; with it both ways more knots of crushed cells stay (73 of 400 instead of 47).
+    /// Returns the way of the mean edges that leads the cell out of its depth: −C times the gradient of the depth. It is the
+    /// gradient of the volume (the faces) plus the depth times the gradient of C; the latter only in a cell that is not
+    /// becoming wider at these `rates`. Without it a cell that becomes narrower while it is crushed would gain energy from
+    /// nowhere; with it in both directions more knots of crushed cells stay (73 of 400 instead of 47).
     pub(super) fn way_out(&self, rates: &[R::Vec3; 3]) -> [R::Vec3; 3] {
         let cap = self.cap();
         let mut way_out = self.faces;
@@ -170,14 +173,14 @@ impl<R: Real> MeanEdges<R> {
         way_out
     }
 
-    /// The second derivative of that energy by that way where the push still grows.
+    /// Returns the second derivative of the energy along the way out, while the push still grows with the depth.
     pub(super) fn resistance(&self) -> f64 {
         let cap = self.cap().to_f64();
         1.0 / (cap * cap)
     }
 
-    /// The forces on the three mean edges, N, that change at these rates, m/s; none above the threshold, or where a cell is so
-    /// far stretched that its volume is no number.
+    /// Returns the forces on the three mean edges, N, which change at these rates, m/s; none above the threshold, or for a
+    /// cell stretched so far that its volume is infinite or NaN.
     #[inline]
     pub(super) fn push(&self, rates: &[R::Vec3; 3], strength: Strength<R>) -> Option<[R::Vec3; 3]> {
         if !self.is_pushed() {
@@ -244,7 +247,7 @@ mod tests {
         assert!((slowly - 10.0_f64).abs() < 1e-7, "what rests on it does not tremble: {slowly} N");
     }
 
-    /// By how much the force on the short edge of a cell of this width falls as the edge gets longer.
+    /// Returns by how much the force on the short edge of a cell of this width falls as the edge gets longer.
     fn stiffness(width: f64) -> f64 {
         let force = |height: f64| {
             let way_in = [DVec3::ZERO, DVec3::ZERO, -DVec3::Z];

@@ -1,8 +1,8 @@
 //! Recovery from inversion (S7; the "broken cube" of GC §10): springs alone have mirrored minima, in which crushed
 //! cells stay inside out for ever.
 //!
-//! With the means a, b, c of a cell's four edges along each axis and its cell size h, the signed volume
-//! `V = a·(b×c)/h³` is 1 at rest and not above 0 when the cell is inverted. Below [`THRESHOLD`] the cell pushes back:
+//! The means a, b, c of a cell's four edges along each axis and its cell size h give the signed volume `V = a·(b×c)/h³`,
+//! which is 1 at rest and at most 0 if the cell is inverted. Below [`THRESHOLD`] the cell pushes back:
 //!
 //! ```text
 //!       6───────7         force on the mean edge a, cyclic in a, b, c:
@@ -13,23 +13,22 @@
 //!     0───────1  z            C = max(1, largest face/h²)
 //! ```
 //!
-//! One common C for all three keeps momentum and angular momentum. With it s is a length, the height over its largest
-//! face that the cell lacks, in cell sizes: the push is nowhere stronger than 4 κ/h, and a cell is nowhere stiffer than at
-//! rest. The part of ∂C resists what makes a wide cell narrower, and is not there while it becomes wider. The volume of a
-//! cell that is a hundred times as wide changes a hundred times as fast with its height, so that a push by the volume would
-//! throw it from one side to the other within a substep. A cell that is on its way back is pushed less hard than one on its
-//! way in, by a damper beside the spring, and by half at most: what it takes from a blow it does not give back in full, so that
-//! crushed bodies come to rest rather than gain energy. The size of κ follows from the links (`compile::recovery`), so that the
-//! term costs no smaller step.
+//! One common C for all three edges keeps momentum and angular momentum. It makes s a length: the height over its largest
+//! face that the cell lacks, in cell sizes. So the push is nowhere stronger than 4 κ/h, and a cell is nowhere stiffer than
+//! at rest. A push by the volume itself would throw a cell that is a hundred times as wide from one side to the other within
+//! a substep: its volume changes a hundred times as fast with its height. The part with ∂C resists what makes a wide cell
+//! narrower; it is left out while the cell becomes wider. A damper beside the spring weakens the push on a cell on its way
+//! back, by half at most: the cell gives back less than it took from a blow, so that crushed bodies come to rest rather than
+//! gain energy. κ follows from the links (`compile::recovery`), so that the push needs no smaller step.
 //!
-//! Only the cells of a list are pushed: those near inversion. All cells are looked at once in every 1/60 s of simulated
-//! time, sooner where particles move past each other fast enough to crush a cell in that time, and in every substep while
-//! the list is not empty, as a cell that inverted unseen would be given energy; a body that is well costs nothing but
-//! those few looks. The list is part of the [`State`]: the motion follows from the state alone.
+//! Only cells on a list are pushed: those near inversion. All cells are checked for it once in every 1/60 s of simulated
+//! time, sooner if particles move past each other fast enough to crush a cell in that time, and in every substep while the
+//! list is not empty: a cell that inverted unseen would be given energy. An intact body costs nothing but those few checks.
+//! The list is part of the [`State`]: the motion follows from the state alone.
 //!
-//! Where families of links are far apart the push is not enough: see `soft_links`; a body that comes to rest with
-//! cells still inverted gets a pull on top of it: see `pull`. The implicit integrator solves for both: see
-//! `resistance`. Soft links and pull give no more than recovery took: see `account`.
+//! If the stiffnesses of the link families are far apart, the push is not enough: see `soft_links`. A body that comes to
+//! rest with cells still inverted is also pulled: see `pull`. The implicit integrator takes push and pull into its
+//! equations: see `resistance`. Soft links and pull give no more energy than recovery took: see `account`.
 
 mod account;
 mod edges;
@@ -57,16 +56,16 @@ use crate::physics::step::substep::Substep;
 use crate::physics::stepping::looks;
 use crate::physics::team::{self, FEWEST_THAT_MEET};
 
-/// The bodies whose cells are looked at before a substep.
+/// The bodies whose cells are checked before a substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::physics) enum Due {
-    /// Those that have cells on their lists.
+    /// Bodies with cells on their lists.
     Watched,
-    /// All.
+    /// All bodies.
     All,
 }
 
-/// Which bodies are looked at in this substep, if any.
+/// Returns which bodies are checked in this substep, if any.
 pub(in crate::physics) fn due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Option<Due> {
     let is_time = || looks::is_time_to_look(model, plan, state);
     match state.bodies.iter().any(BodyMemory::is_watched) {
@@ -76,7 +75,7 @@ pub(in crate::physics) fn due<R: Real>(model: &Model<R>, plan: &Plan, state: &St
     }
 }
 
-/// Looks at all cells of bodies before a substep of `secs`, writes down those that are near inversion, and tells which
+/// Checks all cells of the bodies that are due before a substep of `secs`, lists those near inversion, and updates which
 /// bodies are stuck.
 pub(in crate::physics) fn look<R: Real>(
     model: &Model<R>,
@@ -105,7 +104,7 @@ fn recovers<R: Real>(body: &BodyModel<R>) -> bool {
     body.recovery.stiffness > R::ZERO
 }
 
-/// The same of one body, whose particles are at `position` (m) and move with `velocity` (m/s).
+/// [`look`] for one body, whose particles are at `position` (m) and move with `velocity` (m/s).
 fn look_at<R: Real>(
     body: &BodyModel<R>,
     plan: &Plan,
@@ -125,14 +124,14 @@ fn look_at<R: Real>(
         worst.see(&MeanEdges::of(position, &cells[number as usize], scale));
     }
     if memory.near_inversion.is_empty() {
-        // What is owed stays owed.
+        // A debt stays, a credit expires.
         memory.account.taken_j = memory.account.taken_j.min(0.0);
     }
     pull::judge(body, memory, worst, position, velocity, secs);
     pull::pay(body, memory, position);
 }
 
-/// Whether any cell of a body is pushed where it is now.
+/// Whether any cell of a body is pushed in this state.
 pub(in crate::physics) fn pushes<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, state: &State<R>) -> bool {
     let position = &state.position[body.particles.clone()];
     memory.near_inversion.iter().any(|&cell| {
@@ -141,7 +140,7 @@ pub(in crate::physics) fn pushes<R: Real>(body: &BodyModel<R>, memory: &BodyMemo
     })
 }
 
-/// Adds the push of the cells on the lists of the bodies, N.
+/// Adds the push and pull of the cells on the lists of the bodies, N, and softens their links.
 pub(in crate::physics) fn add_forces<R: Real>(
     substep: Substep<'_, R>,
     Configuration { position, velocity, .. }: Configuration<'_, R>,
@@ -150,7 +149,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, state, plan, scheme, .. } = substep;
-    // Verlet predicts velocities from forces alone: what an obstacle crushes would be on its way back.
+    // Verlet's predicted velocities know no contact: a cell that an obstacle is crushing would count as on its way back.
     let velocity = if scheme == Scheme::Verlet { &state.velocity } else { velocity };
     let awake = state.bodies.iter().filter(|memory| !memory.asleep);
     let cells: usize = awake.map(|memory| memory.near_inversion.len()).sum();
@@ -168,7 +167,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
     });
 }
 
-/// The same of one body, whose particles are at `position` (m) and move with `velocity` (m/s).
+/// [`add_forces`] for one body, whose particles are at `position` (m) and move with `velocity` (m/s).
 fn push_cells<R: Real>(
     Substep { model, state, scheme, dt, .. }: Substep<'_, R>,
     number: usize,
@@ -196,8 +195,8 @@ fn push_cells<R: Real>(
     }
 }
 
-/// Energy of the push of a body's cells, J, and of the pull where it is stuck. The cap on far-stretched cells follows no
-/// potential: their share is the work that the present push would do.
+/// Returns the energy of the push of a body's cells, J, and of the pull if the body is stuck. The cap on far-stretched cells
+/// follows no potential: their share is the work that the present push would do.
 pub(in crate::physics) fn energy<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, state: &State<R>) -> f64 {
     let position = &state.position[body.particles.clone()];
     let stiffness = body.recovery.push.to_f64();
@@ -210,8 +209,8 @@ pub(in crate::physics) fn energy<R: Real>(body: &BodyModel<R>, memory: &BodyMemo
     body.lattice.cells.iter().map(energy_of).sum()
 }
 
-/// How many cells of a body are inverted: their mean edges along the three axes span no positive volume. `position` is
-/// the body's own.
+/// Returns how many cells of a body are inverted: their mean edges along the three axes span no positive volume. `position`
+/// is the body's own.
 pub(in crate::physics) fn inverted_cells<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> usize {
     let volume = |corners: &[u32; 8]| MeanEdges::of(position, corners, body.inverse_cell_size).volume().to_f64();
     body.lattice.cells.iter().filter(|corners| is_inverted(volume(corners))).count()

@@ -1,9 +1,9 @@
-//! Which cells of a body are near inversion, many at a time: the look at all of them is most of what a body that is well
-//! costs beside its links.
+//! Finds the cells of a body that are near inversion, many at a time: beside its links, this check is most of what an intact
+//! body costs.
 //!
-//! Cells that follow one another along x share their corners, which lie in four rows then, one after another in memory. The
+//! Cells that follow one another along x share corners, and their corners lie in four rows, contiguous in memory. The
 //! arithmetic is that of [`MeanEdges::is_near_inversion`](super::edges::MeanEdges::is_near_inversion), operation by
-//! operation, so that both tell the same of every cell.
+//! operation, so that both give the same answer for every cell.
 
 #![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 #![expect(clippy::needless_range_loop, reason = "one place of many arrays at a time, as vector instructions go")]
@@ -12,16 +12,16 @@ use super::edges::{THRESHOLD, WATCH};
 use crate::math::{Real, components};
 use crate::physics::kernels::SimdLevel;
 
-/// Cells at a time.
+/// Cells that are checked at a time.
 const RUN: usize = 16;
 
-/// A number of each cell of a run.
+/// One number for each cell of a run.
 type Lanes<R> = [R; RUN];
 
 /// The corners of a run by row, component and place: row 0 is low in y and z, row 1 high in y, row 2 in z, row 3 in both.
 type Rows<R> = [[[R; RUN + 1]; 3]; 4];
 
-/// Writes down the numbers of the cells that are near inversion, ascending. `position` is the body's own, m.
+/// Lists the numbers of the cells that are near inversion, ascending. `position` is the body's own, m.
 pub(super) fn write_down<R: Real>(
     level: SimdLevel,
     cells: &[[u32; 8]],
@@ -49,8 +49,8 @@ pub(super) fn write_down<R: Real>(
     );
 }
 
-/// How many of the cells, from the first on, follow one another along x: the low corners of the next are the high ones of
-/// this, and numbers go on by one.
+/// Returns how many cells, from the first on, follow one another along x: the low corners of each are the high corners of
+/// the one before, and the corner numbers go up by one.
 #[inline(always)]
 fn run_length(cells: &[[u32; 8]]) -> usize {
     let most = cells.len().min(RUN);
@@ -119,7 +119,7 @@ fn are_near<R: Real>(rows: &Rows<R>, inverse_cell_size: R) -> [bool; RUN] {
         let mut largest = R::ONE;
         for face in [&first, &second, &third] {
             let squared = dot(face, face, at);
-            // One that is no number is passed over, as `max` does.
+            // A NaN is passed over, as `max` does.
             largest = if squared > largest { squared } else { largest };
         }
         are_near[at] = above <= R::ZERO || above * above < largest * watched;
@@ -152,7 +152,8 @@ mod tests {
     use crate::math::rng::Rng;
     use crate::physics::forces::recovery::edges::MeanEdges;
 
-    /// Some cells of a box of cells with corners all over the place: nearly whole ones, crushed ones, some at the threshold.
+    /// Checks some cells of a box whose corners are all over the place: nearly whole cells, crushed ones, some at the
+    /// threshold. Returns how many are near inversion.
     fn check<R: Real>(seed: u64) -> usize {
         let mut rng = Rng::new(seed);
         let dims = [0; 3].map(|_| 1 + i32::try_from(rng.next_u64() % 21).expect("a small number"));

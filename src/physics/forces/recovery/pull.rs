@@ -1,21 +1,21 @@
-//! The pull on the crushed cells of a body that is stuck: slow, with cells that are inverted.
+//! The pull on the crushed cells of a body that is stuck: a body that is slow and has inverted cells.
 //!
-//! The volume tells no way out of a knot in which push and links are in balance. With the mean edges F of a cell, in cell
-//! sizes, and the rotation R nearest to them, the pull to R has no mirrored minimum:
+//! In a knot, push and links are in balance, and the volume shows no way out. A pull of a cell's mean edges F, in cell
+//! sizes, towards the rotation R nearest to them has no mirrored minimum:
 //!
 //! ```text
 //! W = κ p s(V) |R − F|²/2 / max(1, longest mean edge)      f = −∂W/∂F, no less than half of it on the way back
 //! s = ((T − V)/2 T)², at most 1                            p ≤ 1: as much as is paid for, and the substep bears
 //! ```
 //!
-//! It keeps momentum, and angular momentum as `R Fᵀ` is symmetric. The divisor for stretched cells, the bound on what
-//! `∂s/∂V` adds, the same as that of the push, and R, which is made shorter where no rotation is the nearest, follow no
-//! potential. But for these it gives no more than it takes: what it brings into a body is W of its crushed cells when it
-//! is found to be stuck, a few κ each, as none of them may be wider than [`WIDEST`]. In a body of few cells that can be as
-//! much as all its links hold. So no more of the pull acts than recovery has taken from the energy of the body, see
-//! [`super::account`]: p grows as that pays for it. And W is too much for a body in violent motion, which is never stuck: it
-//! must first be so slow for a while that its motion is nothing to the energy of a single cell. From then on the pull
-//! acts, however the body moves, until none of its cells is crushed, and W is nothing, or one of them is torn apart.
+//! The pull keeps momentum, and angular momentum as `R Fᵀ` is symmetric. Three parts follow no potential: the divisor for
+//! stretched cells, the bound on what `∂s/∂V` adds (the same as that of the push), and R, which is shortened where no
+//! rotation is the nearest. Apart from these the pull gives no more than it takes once it acts. Switching it on brings W of
+//! the crushed cells into the body, a few κ each, as none of them may be wider than [`WIDEST`]; in a body of few cells that
+//! can be as much as all its links hold. So p only grows as the energy that recovery has taken from the body pays for W, see
+//! [`super::account`]. W would be too much for a body in violent motion, so that such a body is never stuck: it must first
+//! be so slow for a while that its kinetic energy is negligible beside the energy of a single cell. From then on the pull
+//! acts, however the body moves, until none of its cells is crushed, and W is zero, or until one of them is torn apart.
 
 use super::edges::{DEEPEST, Strength, THRESHOLD, is_inverted};
 use crate::math::{Real, Vector};
@@ -24,39 +24,39 @@ use crate::physics::forces::recovery::rotation::nearest_rotation;
 use crate::physics::model::{BodyModel, Composition};
 use crate::physics::state::{BodyMemory, RecoveryAccount};
 
-/// So far below the threshold the whole pull acts: it grows from nothing, so that no cell that comes or goes is given
-/// energy.
+/// The missing volume at which the whole pull acts. The pull grows from zero at the threshold, so that a cell gains no
+/// energy as it crosses it.
 const RANGE: f64 = 2.0 * THRESHOLD;
 
-/// A body is slow while its links change their lengths no faster than this, as the root of the mean square, over the
-/// speed at which the push turns the lightest cells over, `√(κ/m)`: its motion is nothing then to what an inverted cell
-/// could set free. Where M weighs more than m, a rate v counts as the `v √(M/m)` of the same energy.
+/// A body is slow while the root mean square of the rates at which its links change their lengths is at most this share of
+/// `√(κ/m)`, the speed at which the push turns the lightest cells over. Its kinetic energy is then negligible beside what an
+/// inverted cell could set free. At a mass M above m a rate v counts as `v √(M/m)`, which has the same energy.
 const SLOW: f64 = 3e-3;
 
-/// The same for each of them: links that were crushed to nothing tremble for ever as their direction changes at every
-/// step.
+/// The same bound for each single link. It is wider, as links that were crushed to no length tremble for ever: their
+/// direction changes at every step.
 const FASTEST: f64 = 0.1;
 
-/// For how long a body with inverted cells must be slow to be stuck, s: less than it takes to fall asleep, but for very
-/// soft bodies.
+/// How long a body with inverted cells must be slow before it is stuck, s: less than it takes to fall asleep, except for
+/// very soft bodies.
 const SLOW_SECS: f64 = 0.1;
 
-/// The same over `h/√(κ/m)`, which is longer in a very soft body: where motion turns back it is slow for less.
+/// The same over `h/√(κ/m)`, which is longer in a very soft body: a motion that turns back is slow for less than that.
 const SLOW_TIMES: f64 = 1.0;
 
-/// The longest that a body is watched for, s.
+/// The most that either bound asks for, s.
 const LONGEST_SECS: f64 = 4.0;
 
-/// A body is torn, not knotted, where a mean edge of a crushed cell is longer than this, cell sizes: W grows with it, and
-/// turns on and off in no time as the volume of so wide a cell does.
+/// A body is torn, not knotted, if a mean edge of a crushed cell is longer than this, cell sizes. W grows with the width,
+/// and the volume of so wide a cell, which switches W on and off, changes in no time.
 const WIDEST: f64 = 3.0;
 
-/// What is worst about the crushed cells of a body.
+/// The extremes of a body's crushed cells.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Worst {
-    /// The smallest volume of any.
+    /// The smallest volume.
     smallest: f64,
-    /// The longest mean edge of those below the threshold, cell sizes.
+    /// The longest mean edge of cells below the threshold, cell sizes.
     longest: f64,
 }
 
@@ -77,7 +77,7 @@ impl Worst {
     }
 }
 
-/// Tells whether a body is stuck whose cells are at worst so, before a substep of `secs`.
+/// Updates whether a body is stuck, given the extremes of its cells, before a substep of `secs`.
 pub(super) fn judge<R: Real>(
     body: &BodyModel<R>,
     memory: &mut BodyMemory,
@@ -96,7 +96,7 @@ pub(super) fn judge<R: Real>(
         }
         return;
     }
-    // A body that was not watched until now, and whose cells are only near inversion, is not from now on either.
+    // The count begins with an inverted cell.
     if memory.knotted_nanos == 0 && !is_inverted(smallest) {
         return;
     }
@@ -104,7 +104,7 @@ pub(super) fn judge<R: Real>(
         memory.knotted_nanos = 0;
         return;
     }
-    // A cell that trembles about no volume is inverted half of the time.
+    // A cell that trembles about zero volume is inverted half of the time: the count pauses.
     if !is_inverted(smallest) {
         return;
     }
@@ -118,8 +118,8 @@ pub(super) fn judge<R: Real>(
     }
 }
 
-/// Switches on as much of the pull of a body that is stuck as recovery has taken from its energy: it brings with it what
-/// crushed cells have of it, W each.
+/// Switches on as much of the pull of a stuck body as the energy that recovery has taken from it pays for: switching on the
+/// whole pull brings W of each crushed cell into the body.
 pub(super) fn pay<R: Real>(body: &BodyModel<R>, memory: &mut BodyMemory, position: &[R::Vec3]) {
     let RecoveryAccount { taken_j, pull_share } = memory.account;
     if !memory.stuck || pull_share >= 1.0 || taken_j <= 0.0 {
@@ -134,23 +134,23 @@ pub(super) fn pay<R: Real>(body: &BodyModel<R>, memory: &mut BodyMemory, positio
     }
 }
 
-/// The stiffness of the pull on a body's cells, N·m; none on a body that is not stuck.
+/// Returns the stiffness of the pull on a body's cells, N·m; none for a body that is not stuck.
 pub(super) fn stiffness<R: Real>(body: &BodyModel<R>, memory: &BodyMemory) -> Option<R> {
     memory.stuck.then(|| body.recovery.pull * R::from_f64(memory.account.pull_share))
 }
 
-/// The body is not stuck, and not about to be.
+/// Marks the body as neither stuck nor about to be.
 pub(super) fn forget(memory: &mut BodyMemory) {
     (memory.stuck, memory.knotted_nanos, memory.account.pull_share) = (false, 0, 0.0);
 }
 
-/// About how fast the push turns cells over, m/s.
+/// Returns about how fast the push turns cells over, m/s.
 fn turning_speed<R: Real>(body: &BodyModel<R>) -> f64 {
     (body.recovery.stiffness.to_f64() / body.recovery.mass.to_f64()).sqrt()
 }
 
-/// How many times the mass of a particle of the lightest cells the ends of a link weigh in the mean, at least once. A
-/// particle within those cells of a solid weighs three times what it has against the push.
+/// Returns the mean mass of a link's ends over that of a particle of the lightest cells, at least 1. Within the lightest
+/// cells of a solid a particle weighs three times its mass against the push.
 fn heaviness<R: Real>(body: &BodyModel<R>, [i, j]: [usize; 2]) -> R {
     let lightest = match body.composition {
         Composition::Alike => return R::ONE,
@@ -182,7 +182,8 @@ fn is_slow<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], velocity: &[R::Ve
     sum <= R::from_f64(SLOW * SLOW * speed * speed) * count
 }
 
-/// The forces of the pull on the three mean edges of a cell, N, that change at these rates, m/s; none above the threshold.
+/// Returns the forces of the pull on the three mean edges of a cell, N, which change at these rates, m/s; none above the
+/// threshold.
 pub(super) fn cell_force<R: Real>(
     edges: &MeanEdges<R>,
     rates: &[R::Vec3; 3],
@@ -206,7 +207,7 @@ pub(super) fn cell_force<R: Real>(
     Some(force.map(|force| force * strength)).filter(|force| force.iter().all(|force| force.is_finite()))
 }
 
-/// The energy of the pull of a cell for a stiffness of one.
+/// Returns the energy of the pull on a cell for a stiffness of one.
 pub(super) fn cell_energy<R: Real>(edges: &MeanEdges<R>) -> f64 {
     if !edges.is_pushed() {
         return 0.0;
@@ -217,18 +218,18 @@ pub(super) fn cell_energy<R: Real>(edges: &MeanEdges<R>) -> f64 {
     0.5 * misshaped * share(edges.missing())[0].to_f64() / longest(edges).to_f64()
 }
 
-/// What the resistance to a change of the mean edges is over the pull's stiffness.
+/// Returns the resistance to a change of the mean edges over the pull's stiffness.
 pub(super) fn resistance<R: Real>(edges: &MeanEdges<R>) -> f64 {
     (share(edges.missing())[0] / longest(edges)).to_f64()
 }
 
-/// The share of the pull that acts where so much of the volume is missing, and its growth with that.
+/// Returns the share of the pull that acts at a missing volume, and its derivative by that.
 fn share<R: Real>(missing: R) -> [R; 2] {
     let part = missing * R::from_f64(1.0 / RANGE);
     if part < R::ONE { [part * part, part * R::from_f64(2.0 / RANGE)] } else { [R::ONE, R::ZERO] }
 }
 
-/// The longest mean edge, at least 1: what the pull is divided by.
+/// Returns the length of the longest mean edge, at least 1: the divisor of the pull.
 fn longest<R: Real>(edges: &MeanEdges<R>) -> R {
     edges.edges.iter().fold(R::ONE, |longest, edge| longest.max(edge.length()))
 }
@@ -255,8 +256,8 @@ mod tests {
         MeanEdges::of(&corners, &CORNERS, 1.0)
     }
 
-    /// Crushed and mirrored cells that are not stretched, whose rotation is definite and where no bound is met: there the
-    /// pull follows a potential.
+    /// Returns crushed and mirrored cells that are not stretched, whose rotation is definite and that meet no bound: there
+    /// the pull follows a potential.
     fn crushed_cells() -> impl Iterator<Item = [DVec3; 3]> {
         let mut rng = Rng::new(3);
         let all = std::iter::repeat_with(move || [0; 3].map(|_| DVec3::from([0; 3].map(|_| rng.between(-0.55, 0.55)))));
@@ -287,8 +288,8 @@ mod tests {
         }
     }
 
-    /// Whether a cube is slow that is stretched at `rate` of the speed at which its lightest cells turn over; `density` is
-    /// that of its right half, over that of its left one.
+    /// Whether a cube is slow that is stretched at `rate` times the speed at which its lightest cells turn over; `density`
+    /// is that of its right half over that of its left half.
     fn stretches_slowly(rate: f64, density: f64) -> bool {
         let solid = Solid { density: 100.0, ..Solid::default() };
         let heavy = Inlay {

@@ -1,4 +1,4 @@
-//! The push against inversion in the equations of the implicit integrator, and its part in their balance of energy.
+//! Push and pull against inversion in the equations of the implicit integrator, and their part in its energy balance.
 
 use glam::DVec3;
 
@@ -8,21 +8,21 @@ use crate::physics::forces::recovery::pull;
 use crate::physics::model::{BodyModel, Scheme};
 use crate::physics::state::BodyMemory;
 
-/// What a cell that is pushed resists while it moves: its part of the equations of the implicit integrator.
+/// The resistance of a pushed cell to motion: its part of the equations of the implicit integrator.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct Resistance {
     corners: [u32; 8],
-    /// What brings the cell out of its depth when the mean edges gain it, 1/m.
+    /// The way of the mean edges out of the cell's depth, 1/m.
     growth: [DVec3; 3],
-    /// The energy's second derivative by that, J.
+    /// Second derivative of the energy along that way, J.
     stiffness: f64,
-    /// That of the pull by the mean edges, at most, N/m.
+    /// Second derivative of the pull's energy by the mean edges, at most, N/m.
     pull: f64,
 }
 
 impl Resistance {
-    /// Adds the force on the corners that move by these ways (m), times −`scale`, to `to`: `scale κ ∇V (∇V · way)`, which
-    /// leaves out that ∇V changes (Gauss and Newton) and so never pushes, and as for the pull, that the rotation does.
+    /// Adds `−scale` times the force on corners that move by `ways` (m) to `to`: `scale κ ∇V (∇V · way)`. Changes of ∇V (as
+    /// in Gauss-Newton) and, for the pull, of the rotation are left out, so it never pushes.
     pub(in crate::physics) fn add_product(&self, scale: f64, ways: &[DVec3], to: &mut [DVec3]) {
         let rates = mean_edges::<f64>(ways, &self.corners, 1.0);
         let grown = (0..3).fold(0.0, |sum, axis| sum + rates[axis].dot(self.growth[axis]));
@@ -32,7 +32,7 @@ impl Resistance {
         }
     }
 
-    /// Calls `visit` with every corner and a third of the trace of its block, N/m.
+    /// Calls `visit` with every corner and a third of the trace of its diagonal block, N/m.
     pub(in crate::physics) fn for_each_diagonal(&self, mut visit: impl FnMut(usize, f64)) {
         for (place, &corner) in self.corners.iter().enumerate() {
             let pull = self.pull * 3.0 / 16.0;
@@ -45,12 +45,12 @@ impl Resistance {
     }
 }
 
-/// What a corner gets of what its mean edges get.
+/// Returns a corner's part of vectors that act on its cell's mean edges.
 fn quarters(edges: &[DVec3; 3], place: usize) -> DVec3 {
     (0..3).fold(DVec3::ZERO, |sum, axis| sum + edges[axis] * if place >> axis & 1 == 1 { 0.25 } else { -0.25 })
 }
 
-/// The resistances of the cells on a body's list that are pushed. `position` is the body's own.
+/// Returns the resistances of the cells on a body's list that are pushed. `position` is the body's own.
 pub(in crate::physics) fn resistances<R: Real>(
     body: &BodyModel<R>,
     memory: &BodyMemory,
@@ -72,8 +72,9 @@ pub(in crate::physics) fn resistances<R: Real>(
     })
 }
 
-/// What the pushed cells of a body have of energy past the work of their forces, J, when its particles, that had one
-/// velocity, go on with another (m/s) for `dt` (s): see [`crate::physics::schemes::implicit::balance`].
+/// Returns the energy that the pushed cells of a body gain beyond what the work of their forces accounts for, J, while its
+/// particles, which had one velocity, move with another (m/s) for `dt` (s): see
+/// [`crate::physics::schemes::implicit::balance`].
 pub(in crate::physics) fn energy_past_work<R: Real>(
     body: &BodyModel<R>,
     memory: &BodyMemory,

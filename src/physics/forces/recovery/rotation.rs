@@ -5,15 +5,16 @@ use crate::math::{Real, Vector};
 /// Newton's method takes four steps for a cell that is whole, more towards a double root.
 const STEPS: usize = 8;
 
-/// Where the rotation is not unique, `ζ` below vanishes; from this share of λ³ on it is made to fade out.
+/// Where the rotation is not unique, `ζ` below vanishes; below this share of λ³ the result fades out.
 const LEAST: f64 = 0.01;
 
-/// The columns of the rotation R for which `tr(Rᵀ F)` is greatest, of the columns of F and of its cofactors
-/// (`faces = [b×c, c×a, a×b]`). It is a rotation for a mirrored F too, and zero or shorter where none is the nearest.
+/// Returns the columns of the rotation R with the greatest `tr(Rᵀ F)`, given the columns of F and of its cofactors
+/// (`faces = [b×c, c×a, a×b]`). It is a rotation even for a mirrored F, and zero or shorter where no rotation is the
+/// nearest.
 ///
-/// Markley's form (1993, FOAM): with the greatest root λ of `(λ² − |F|²)² − 8 λ det F − 4 |cof F|²` and
-/// `κ = (λ² − |F|²)/2` it is `R = ((κ + |F|²) F + λ cof F − F Fᵀ F)/ζ`, `ζ = κ λ − det F`. `R Fᵀ` is symmetric whatever λ
-/// and ζ are: what is pulled towards R gets no torque from it, not even by an error of λ.
+/// Markley's form (1993, FOAM): with the greatest root λ of `(λ² − |F|²)² − 8 λ det F − 4 |cof F|²` and `κ = (λ² − |F|²)/2`
+/// it is `R = ((κ + |F|²) F + λ cof F − F Fᵀ F)/ζ`, `ζ = κ λ − det F`. `R Fᵀ` is symmetric for any λ and ζ: a pull of F
+/// towards R makes no torque, not even by an error of λ.
 ///
 /// The second result is λ, which is `tr(Rᵀ F)`.
 #[inline]

@@ -1,29 +1,29 @@
-//! Links of crushed cells flow, in bodies whose families are far apart.
+//! Links of crushed cells flow, in bodies whose link families have stiffnesses far apart.
 //!
-//! The push of [`super`] alone does not turn every body back whose families are far apart: the two sublattices that shear links
-//! alone make of it, for one, hold their mirror images against any push that the step could bear. There
-//! the links between particles of crushed cells lose their elastic force gradually, all but 1 % where V ≤ 0 and the
-//! families are furthest apart, and get a damping of `k dt/2` in its place: they flow while the volume turns over and
-//! are springs again as soon as it has. Link forces act in pairs along the link: momentum and angular momentum stay.
-//! A body in violent motion keeps its links as they are.
-//! A body whose families are alike, or of little but bending links, is moved by the push alone.
+//! In such a body the push of [`super`] alone does not turn every cell back. With shear links alone, for example, it is two
+//! sublattices that hold their mirror images against any push that the step could bear. So the links between particles of
+//! crushed cells gradually lose their elastic force, all but 1 % where V ≤ 0 and the families are furthest apart, and get a
+//! damping of `k dt/2` in its place: they flow while the volume turns over and are springs again as soon as it has. Link
+//! forces act in pairs along the link: momentum and angular momentum stay. A body in violent motion keeps its links as they
+//! are. So does a body whose families are alike, or that has little but bending links: the push alone turns it back.
 //!
-//! A soft link that is stretched or squeezed by something else takes 1 % of the work for what it gives back in full once it
-//! is hard again. That is paid from what recovery has taken from the body, see [`super::account`]; where nothing is left,
-//! only links that come home are soft.
+//! Stretching or squeezing a soft link takes 1 % of the work that it gives back once it is hard again. The difference is
+//! paid from the energy that recovery has taken from the body, see [`super::account`]; where nothing is left, only links
+//! that return to their rest length are soft.
 //!
-//! Measured with 9 ways to break a cube and the 6 ways in which families can be 1e4 apart, over 5 to 10
-//! particles an edge, free, held and on rough ground, with three integrators: of 594 cubes 54 stay broken (by up to
-//! 187 cells) with the push alone, 11 (by one or two cells) with soft links, and none flies apart.
+//! Measured with 9 ways to break a cube and the 6 ways in which families can be 1e4 apart, over 5 to 10 particles an edge,
+//! free, held and on rough ground, with three integrators: of 594 cubes 54 stay broken (by up to 187 cells) with the push
+//! alone, 11 (by one or two cells) with soft links, and none flies apart.
 //!
-//! A body of shear links alone, or of shear and bending links, that was crushed to a point is left in a knot: in 14 of 36
-//! such cubes (5 to 10 particles an edge, three random starts) one to three cells stay inverted for ever. The pull of
-//! [`crate::physics::forces::recovery::pull`] turned all of those 36 back; of 600 others (5 to 8 particles an edge) it
-//! left one in ten with one to three cells inverted after half a second. Which ones is up to the rounding of forces. What
-//! none of the three sees is smaller than a cell: in each of the two sublattices about a fifth of the tetrahedra of such a cube stay mirrored.
+//! A body of shear links alone, or of shear and bending links, that was crushed to a point stays in a knot: in 14 of 36 such
+//! cubes (5 to 10 particles an edge, three random starts) one to three cells stay inverted for ever. The pull of
+//! [`crate::physics::forces::recovery::pull`] turned all of those 36 back; of 600 others (5 to 8 particles an edge) it left
+//! one in ten with one to three cells inverted after half a second. Which ones depends on the rounding of forces. None of
+//! the three (push, soft links, pull) sees anything smaller than a cell: in each of the two sublattices about a fifth of the
+//! tetrahedra of such a cube stay mirrored.
 //!
-//! The implicit integrator needs no such damping: its matrix has the whole stiffness of softened links, which resists as
-//! a damping of `k dt` would.
+//! The implicit integrator needs no such damping: its matrix has the whole stiffness of softened links, which resists as a
+//! damping of `k dt` would.
 
 use super::edges::THRESHOLD;
 use crate::math::{Real, Vector};
@@ -32,34 +32,34 @@ use crate::physics::forces::recovery::edges::MeanEdges;
 use crate::physics::model::{BodyModel, Composition, Link, Model};
 use crate::physics::state::BodyMemory;
 
-/// The share of their elastic force that links between particles of inverted cells lose in a body whose families are
-/// far apart. All of it would leave nothing to put a body in order that was crushed to a point.
+/// The share of their elastic force that links between particles of inverted cells lose if the families are far apart.
+/// Losing all of it would leave nothing to put a body in order that was crushed to a point.
 const SOFTEST: f64 = 0.99;
 
 /// The damping that such links get instead, over `k dt`. In semi-implicit Euler a half limits the step as much as the
-/// elastic force that was taken away; at three quarters Verlet, which counts it twice, kept cubes broken.
+/// elastic force that was taken away; at three quarters Verlet, which counts damping twice, kept cubes broken.
 const FLOW: f64 = 0.5;
 
-/// Strains from and to which links keep ever more of their force: what flies apart unhindered comes back with more
-/// energy than it left with; crumpled cubes blew up.
+/// The strains between which soft links regain their whole force: parts that fly apart unhindered come back with more energy
+/// than they left with; crumpled cubes blew up.
 const TAUT: [f64; 2] = [0.5, 2.0];
 
-/// Links are soft as long as a particle has no more than this share of a cell's stiffness against inversion as kinetic
-/// energy: what crushes soft links with force is given back in full by hard ones. At a hundredth, random extreme scenes
-/// gained energy; at a ten thousandth, crumpled cubes stayed broken.
+/// Links are soft while the mean kinetic energy of a particle is below this share of a cell's stiffness against inversion:
+/// what crushes soft links with force is given back in full by hard ones. At a hundredth, random extreme scenes gained
+/// energy; at a ten thousandth, crumpled cubes stayed broken.
 const CALM: f64 = 1e-3;
 
-/// What links of crushed cells of a body are softened with; empty where they are not.
+/// The workspace for softening the links of a body; empty where they are never softened.
 #[derive(Clone, Debug)]
 pub(in crate::physics) struct RecoveryWorkspace<R: Real> {
     /// For each particle the share of elastic force that its links lose.
     softness: Vec<R>,
-    /// The particles for which that is not nothing, ascending.
+    /// The particles with a softness above zero, ascending.
     soft: Vec<u32>,
 }
 
 impl<R: Real> RecoveryWorkspace<R> {
-    /// Room for each body of a model.
+    /// Allocates the workspaces of a model's bodies.
     pub(in crate::physics) fn of_each(model: &Model<R>) -> Vec<Self> {
         let particles = |body: &BodyModel<R>| if softest(body) > R::ZERO { body.particles.len() } else { 0 };
         let room = |count| Self { softness: vec![R::ZERO; count], soft: Vec::with_capacity(count) };
@@ -67,10 +67,10 @@ impl<R: Real> RecoveryWorkspace<R> {
     }
 }
 
-/// Takes from the links between particles of crushed cells most of their elastic force and lets them flow instead: the
-/// links of a mirrored cell would hold it in its mirror image, and springs that are only weakened would give back more
-/// than they took when they strengthen again. They flow as in whole
-/// substeps, however these are divided: with less, links that were crushed to a point stayed crushed.
+/// Takes most of their elastic force from the links between particles of crushed cells and lets them flow instead. The links
+/// of a mirrored cell would hold it in its mirror image, and springs that are only weakened would give back more than they
+/// took when they strengthen again. Links flow as in whole substeps, even if these are divided: with less flow, links that
+/// were crushed to a point stayed crushed.
 pub(super) fn soften<R: Real>(
     body: &BodyModel<R>,
     memory: &BodyMemory,
@@ -87,21 +87,21 @@ pub(super) fn soften<R: Real>(
 
 /// A link that is soft.
 pub(super) struct SoftLink<R: Real> {
-    /// From the first end to the second, m.
+    /// Vector from the first end to the second, m.
     pub(super) d: R::Vec3,
-    /// How fast that changes, m/s.
+    /// Rate at which `d` changes, m/s.
     pub(super) dv: R::Vec3,
     pub(super) inverse_rest_length: R,
-    /// The force at 100 % strain that it had, N.
+    /// The link's own force at 100 % strain, N.
     pub(super) stiffness: R,
-    /// The force at a speed of one rest length a second that it has instead, N.
+    /// The force at a speed of one rest length a second that replaces it, N.
     pub(super) flow: R,
-    /// The share of both.
+    /// The share to which both apply.
     pub(super) softness: R,
 }
 
-/// Calls `visit` with the ends of every link of a body that is soft, and the link: where recovery has nothing left to give,
-/// only of those whose energy falls. Positions and velocities are the body's own.
+/// Calls `visit` with the ends of every soft link of a body, and the link; where recovery has no energy left to give, only
+/// those whose energy falls. Positions and velocities are the body's own.
 pub(super) fn for_each_soft_link<R: Real>(
     body: &BodyModel<R>,
     memory: &BodyMemory,
@@ -157,8 +157,8 @@ pub(super) fn for_each_soft_link<R: Real>(
     }
 }
 
-/// The links whose first end is one of these particles, with their numbers. Both ascend, so that few crushed cells are not
-/// looked for among all links of a large body.
+/// Returns the links whose first end is one of these particles, with their numbers. Both ascend, so that the links of a few
+/// crushed cells are found without a walk over all links of a large body.
 fn links_from<'a, R: Real>(links: &'a [Link<R>], particles: &'a [u32]) -> impl Iterator<Item = (usize, &'a Link<R>)> {
     let mut first = 0;
     particles.iter().flat_map(move |&particle| {
@@ -178,9 +178,9 @@ fn is_calm<R: Real>(body: &BodyModel<R>, velocity: &[R::Vec3]) -> bool {
     0.5 * twice < CALM * count * body.recovery.stiffness.to_f64()
 }
 
-/// The share of their elastic force that links between inverted cells' particles lose: it grows with how far structural
-/// and shear links are apart. Where bending outweighs both, the push alone turns cells back, and soft links would give a
-/// body energy; links that cells share out are never far apart.
+/// Returns the share of their elastic force that links between particles of inverted cells lose: it grows with the gap
+/// between the structural and the shear stiffness. If bending links are stiffer than both, the push alone turns cells back,
+/// and soft links would give a body energy. Links that cells share out never have families far apart.
 fn softest<R: Real>(body: &BodyModel<R>) -> R {
     let softest = |[structural, shear, bending]: [R; 3]| {
         let most = structural.max(shear).max(bending);

@@ -1,16 +1,16 @@
-//! The energy balance of an implicit substep: whether its linear equations were true enough.
+//! The energy balance of an implicit substep: whether its linear equations were accurate enough.
 //!
-//! The equations of the implicit integrator are those of the links as they stand when the substep begins. Links that
-//! turn or stretch far within it end with more energy than the equations took for them. With the impulses J of contact
-//! and of a hand, and F all other forces, what comes from nowhere is
+//! The implicit integrator linearises the links as they stand when the substep begins. Links that turn or stretch far within
+//! it end with more energy than the linear equations account for. With the impulses J of contact and of a hand, and F all
+//! other forces, the energy from nowhere is
 //!
 //! ```text
 //! Σ links and crushed cells [V(d') − V(d) − V'(d)·(d' − d)]  +  T(v') − T(v)  −  Σ particles v'·(dt F + J)
 //! ```
 //!
-//! which is the change of a body's energy less all work done on it. Backward Euler, of which the integrator is the first
-//! iteration, never has more than zero of it where the energy is convex (Hairer, Lubich and Wanner, "Geometric Numerical
-//! Integration", 2006, VIII.6). The work of contact is that of the surfaces, and what it stores in springs counts as the
+//! which is the change of a body's energy less all work done on it. For backward Euler, of which the integrator is the first
+//! iteration, it is never above zero if the energy is convex (Hairer, Lubich and Wanner, "Geometric Numerical Integration",
+//! 2006, VIII.6). The work of contact is that of moving surfaces; the energy that contact springs store counts as the
 //! body's.
 
 use crate::math::{Real, Vector};
@@ -23,19 +23,19 @@ use crate::physics::model::BodyModel;
 use crate::physics::state::State;
 use crate::physics::step::substep::Substep;
 
-/// The share of a body's kinetic energy that is rounding: velocities are in single precision.
+/// The rounding error of a body's kinetic energy, as a share of it: velocities are in single precision.
 const ROUNDING: f64 = 1e-6;
 
-/// The forces on a particle are rounded as they are added up, each sum by half a unit in the last place. Of n of them
-/// the errors come to `√n` halves of the sum of their sizes (Higham and Mary, "A new approach to probabilistic rounding
+/// The forces on a particle are rounded as they are added up, each sum by half a unit in the last place. The errors of n
+/// forces amount to `√n/2` such units of the sum of their sizes (Higham and Mary, "A new approach to probabilistic rounding
 /// error analysis", 2019); a particle has 26 links at most in whole lattices, and its weight.
 const SUMMED: f64 = 2.6;
 
-/// The share of the work of contact that may be missing from the balance, as equations are solved to as much; of no more
-/// than the kinetic energy that was there, or equations that were not solved at all would pass.
+/// The share of the work of contact that may be missing from the balance: the tolerance of the equations. The work counts up
+/// to the kinetic energy at the start, or equations that were not solved at all would pass.
 const UNSOLVED: f64 = 2e-4;
 
-/// Whether a substep that ends so gives any body energy from nowhere.
+/// Whether a substep with this end gives any body energy from nowhere.
 pub(in crate::physics) fn gains_energy<R: Real>(
     substep: Substep<'_, R>,
     end: End<'_, R>,
@@ -46,10 +46,10 @@ pub(in crate::physics) fn gains_energy<R: Real>(
     bodies.any(|number| !substep.state.bodies[number].asleep && body_gains_energy(substep, number, end, exact, stops))
 }
 
-/// How a substep is to end.
+/// The end of a substep that is yet to be accepted.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct End<'a, R: Real> {
-    /// m/s.
+    /// The velocities at the end, m/s.
     pub(in crate::physics) velocity: &'a [R::Vec3],
     /// The forces of the state without contact and hand, N.
     pub(in crate::physics) force: &'a [R::Vec3],
@@ -57,7 +57,7 @@ pub(in crate::physics) struct End<'a, R: Real> {
     pub(in crate::physics) contacts: &'a [ContactRecord<R>],
 }
 
-/// The same of one body.
+/// Whether a substep with this end gives one body energy from nowhere.
 pub(in crate::physics) fn body_gains_energy<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
@@ -81,21 +81,21 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     let from_nowhere =
         gained + of_links(substep, number, velocity, exact, stops) + unfolded + stored - carried - pulled;
     let bearable = ROUNDING * kinetic + UNSOLVED * turned_over.min(there);
-    // What is no number is no balance either.
+    // A NaN counts as energy from nowhere.
     from_nowhere.is_nan()
         || from_nowhere > bearable && from_nowhere > bearable + rounding(substep, number, velocity, exact, stops)
 }
 
-/// What rounding alone may give or take in this substep, J. A body at rest has no energy but this: no division of the
-/// substep makes it less than the little that moves.
+/// Returns the energy that rounding alone may give or take in this substep, J. A body at rest has no energy but this:
+/// dividing the substep does not bring it below what little kinetic energy there is.
 ///
 /// ```text
 /// force      f dt (|vᵢ| + |vⱼ|) SUMMED ε             the forces that are worked with are not those of the links
 /// velocity   ½ (dt² k/l0 + ½ dt d/l0) w²,  w = ½ ε (|vᵢ| + |vⱼ|)     the ends of a link miss their velocities by w
 /// ```
 ///
-/// each as the sum over all links with forces f. The second is the most that such a miss adds: what is linear in w and
-/// not in the balance of momentum is what damping takes, `c u² − c u w ≥ −c w²/4`.
+/// each summed over all links with forces f. The second is the most that such an error adds: terms linear in w cancel by the
+/// balance of momentum, but for that of damping, which together with what damping takes is `c u² − c u w ≥ −c w²/4`.
 fn rounding<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
@@ -114,7 +114,7 @@ fn rounding<R: Real>(
     })
 }
 
-/// The kinetic energy at the end, what the kinetic energy gains over the work of the forces, and that work, J.
+/// Returns the kinetic energy at the end, its gain beyond the work of the forces, and that work, J.
 fn of_particles<R: Real>(
     body: &BodyModel<R>,
     dt: f64,
@@ -131,8 +131,8 @@ fn of_particles<R: Real>(
     })
 }
 
-/// The energy that contact stores, the work that moving obstacles do, and all work of contact without regard to its
-/// sign, J.
+/// Returns the energy that contact stores, the work that moving obstacles do, and the sum of the sizes of all work of
+/// contact, J.
 fn of_contacts<R: Real>(
     body: &BodyModel<R>,
     contacts: &[ContactRecord<R>],
@@ -154,7 +154,7 @@ fn of_contacts<R: Real>(
     })
 }
 
-/// What the links have in the end past what their forces at the beginning did not do.
+/// Returns the energy that the links gain less the work against their forces at the beginning, J.
 fn of_links<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
@@ -167,7 +167,7 @@ fn of_links<R: Real>(
         let way = (to - from) * dt;
         let [before, after] = [link.d.length(), (link.d + way).length()];
         if before == 0.0 {
-            // It pulls nowhere in the beginning.
+            // A link without length has no force at the beginning.
             let [strained, later] = [before, after].map(|length| length * link.inverse_rest_length - 1.0);
             return link.stiffness * 0.5 * (later + strained) * after;
         }
@@ -179,7 +179,7 @@ fn of_links<R: Real>(
     })
 }
 
-/// The work of a hand, J.
+/// Returns the work of a hand, J.
 fn work_of<R: Real>(grab: &Grab<R>, body: &BodyModel<R>, dt: f64, state: &State<R>, velocity: &[R::Vec3]) -> f64 {
     let own = body.particles.clone();
     let away = (grab.target - grab.mean_of(&state.position[own.clone()], own.start)).to_dvec3();

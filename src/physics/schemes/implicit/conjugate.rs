@@ -1,4 +1,4 @@
-//! Conjugate gradients: one linear system, with the constraints as they are.
+//! Conjugate gradients: solves one linear system, with the constraints as they are.
 
 use crate::physics::model::Values;
 use glam::{DMat3, DVec3};
@@ -9,39 +9,39 @@ use super::vectors::{add_scaled, dot, scale, scale_and_add};
 use crate::math::Real;
 use crate::physics::forces::particles::hold_pinned;
 
-/// Iterations of one solve: some twenty times those a stiff body takes.
+/// The most iterations of one solve: some twenty times what a stiff body takes.
 const MOST_ITERATIONS: u64 = 400;
 
-/// The share of a body's momentum, or of the right-hand side where that is smaller, that a solution may miss.
+/// The tolerance of a solution, as a share of the body's momentum or of the right-hand side, whichever is smaller.
 const TOLERANCE: f64 = 1e-4;
 
-/// The least share of the right-hand side that a solution may miss, however slow the body: what is held by friction on
-/// a slope would creep by what is missed.
+/// The smallest tolerance, as a share of the right-hand side, however slow the body: a body held by friction on a slope
+/// would creep by the residual.
 const FINEST_TOLERANCE: f64 = 1e-7;
 
-/// The share of what the equations of a round miss in the beginning that a rough solution may miss.
+/// The tolerance of a rough solution, as a share of the residual at the start of its round.
 const ROUGH: f64 = 0.1;
 
-/// How far equations are solved.
+/// How accurately equations are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Accuracy {
-    /// Until it makes no difference to the motion.
+    /// Until the residual makes no difference to the motion.
     Full,
     /// As far as it takes to see what constraints do.
     Rough,
 }
 
-/// What a solve came to.
+/// The result of a solve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solve {
     pub(super) iterations: u64,
-    /// Whether it is as near as a full one is to be.
+    /// Whether the solution is as accurate as a full one.
     pub(super) is_full: bool,
 }
 
 impl<R: Real> System<'_, R> {
-    /// Where the iteration starts: with the velocities now and, where nothing holds the body, its motion as a whole.
-    /// Returns how small a residual has to become.
+    /// Sets the start of the iteration: the present velocities and, if nothing holds the body, its motion as a whole.
+    /// Returns the squared norm that the residual must come down to.
     pub(super) fn start(&mut self) -> f64 {
         let count = self.body.particles.len();
         self.find_residual(false);
@@ -64,7 +64,7 @@ impl<R: Real> System<'_, R> {
         (moving.min(known) * TOLERANCE * TOLERANCE).max(known * FINEST_TOLERANCE * FINEST_TOLERANCE)
     }
 
-    /// What the equations miss of being fulfilled.
+    /// Writes the residual of the equations, with the impulses of contact if `touched`.
     fn find_residual(&mut self, touched: bool) {
         self.times(Factor::Velocity);
         let ImplicitWorkspace { residual, right_hand_side, product, velocity, .. } = &mut *self.workspace;
@@ -79,7 +79,7 @@ impl<R: Real> System<'_, R> {
         }
     }
 
-    /// Conjugate gradients with the constraints as they are, until they are solved as far as is to be or it `stops`.
+    /// Runs conjugate gradients with the constraints as they are, until the accuracy is reached or it `stops`.
     pub(super) fn iterate(&mut self, enough: f64, accuracy: Accuracy, stops: &dyn Fn() -> bool) -> Solve {
         let count = self.body.particles.len();
         self.find_residual(true);
@@ -125,7 +125,7 @@ impl<R: Real> System<'_, R> {
         Solve { iterations, is_full: missed <= enough }
     }
 
-    /// The inverse blocks of touched particles.
+    /// Makes the inverse blocks of touched particles, and passes contact on to the coarse grids.
     fn precondition(&mut self) {
         let ImplicitWorkspace { inverse_blocks, diagonal, .. } = &mut *self.workspace;
         inverse_blocks.clear();
@@ -142,8 +142,8 @@ impl<R: Real> System<'_, R> {
         }
     }
 
-    /// The residual over the diagonal. Returns its size in that norm: over the diagonal without constraints, or what is held
-    /// would hardly count.
+    /// Divides the residual by the diagonal, or by the blocks of touched particles. Returns its squared norm over the
+    /// diagonal without constraints: over the diagonal with them, held particles would hardly count.
     fn scale_residual(&mut self) -> f64 {
         let ImplicitWorkspace { residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.workspace;
         let count = self.body.particles.len();
@@ -156,7 +156,7 @@ impl<R: Real> System<'_, R> {
         size
     }
 
-    /// Adds what the coarse grids make of the residual.
+    /// Adds the correction of the coarse grids for the residual.
     fn add_coarse(&mut self) {
         let ImplicitWorkspace { grids, scaled, residual, .. } = &mut *self.workspace;
         let Some(grids) = grids[self.number].as_mut().filter(|_| self.uses_grids) else { return };

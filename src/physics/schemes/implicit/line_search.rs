@@ -1,29 +1,29 @@
 //! How far towards the solution of its linear equations a round goes.
 //!
-//! With Coulomb's limits L as they are, the velocities sought are those where
+//! With Coulomb's limits L as they are, the velocities sought are those for which
 //!
 //! ```text
 //! ½ vᵀ A v − b·v + Σ constraints [ Σ (normal impulse)² / 2 resistance + L √(s² + creep²) ]
 //! ```
 //!
-//! is least, over the spring of a constraint and what holds it at the limit of its depth. That is convex; a round goes to
-//! where its slope along the way is zero. Without that, a first guess of L from an obstacle that has just begun to move
-//! sends a light particle off at 1e10 m/s, and what it meets there gives worse guesses still (line search of a globalized
-//! Newton's method: Nocedal and Wright, "Numerical Optimization", 2006, 3.5).
+//! is least; the inner sum is over the spring of a constraint and the hold at the limit of its depth. This potential is
+//! convex, and a round goes to where its slope along the way is zero. Otherwise a first guess of L from an obstacle that has
+//! just begun to move sends a light particle off at 1e10 m/s, and what it meets there gives worse guesses still (line search
+//! of a globalized Newton's method: Nocedal and Wright, "Numerical Optimization", 2006, 3.5).
 
 use super::system::{ImplicitWorkspace, System};
 use crate::math::Real;
 use crate::physics::schemes::implicit::vectors::dot;
 
-/// Where the potential rises by no more than this share of how it fell at first, it is as good as level.
+/// A slope of the potential up to this share of the size of its first slope counts as level.
 const LEVEL: f64 = 0.1;
 
-/// Halvings of the way in which the least of the potential is looked for.
+/// Halvings of the way in the search for the least potential.
 const HALVINGS: usize = 40;
 
 impl<R: Real> System<'_, R> {
-    /// Goes back from where the last solve led to the least of the potential on the way there, if that is not near the
-    /// end. Says whether it is.
+    /// Goes back from the last solution to the point of least potential on the way to it, unless that is near the end.
+    /// Returns whether it is near the end.
     pub(super) fn hold_back(&mut self) -> bool {
         if self.constraints.is_empty() {
             return true;

@@ -15,7 +15,8 @@ use crate::physics::state::BodyMemory;
 use crate::physics::team;
 
 impl<R: Real> System<'_, R> {
-    /// The matrix and the right-hand side without constraints, and the velocities now; unfinished where it `stops`.
+    /// Assembles the matrix and the right-hand side without constraints, and the present velocities; unfinished if it
+    /// `stops`.
     pub(super) fn assemble(
         &mut self,
         plan: &Plan,
@@ -64,7 +65,7 @@ impl<R: Real> System<'_, R> {
         self.dt * resistance([grab.stiffness, grab.damping(self.body)].map(Real::to_f64), self.dt)
     }
 
-    /// The matrix without constraints times a vector of the workspace.
+    /// Multiplies the matrix without constraints by a vector of the workspace.
     pub(super) fn times(&mut self, of: Factor) {
         let Self { body, level, .. } = *self;
         let resistance_of_hand = self.grab.map_or(0.0, |grab| self.grab_resistance(grab));
@@ -105,16 +106,16 @@ impl<R: Real> System<'_, R> {
     }
 }
 
-/// What the matrix is multiplied with.
+/// The vector that the matrix is multiplied by.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Factor {
-    /// The velocities as they are.
+    /// The present velocities.
     Velocity,
-    /// The direction in which they change.
+    /// The search direction.
     Search,
 }
 
-/// The blocks of all links along their list, and what they have on the diagonal: the third of its trace, by particle.
+/// Makes the blocks of all links along their list, and adds a third of the trace of each to the diagonal of both ends.
 fn make_blocks<R: Real>(
     body: &BodyModel<R>,
     families: [bool; 3],
@@ -139,7 +140,7 @@ fn make_blocks<R: Real>(
     });
 }
 
-/// Adds the product of such blocks with a vector.
+/// Adds the product of link blocks with a vector.
 fn add_product<R: Real>(blocks: &[LinkBlock<R>], of: &[DVec3], product: &mut [DVec3]) {
     for block in blocks {
         let [i, j] = block.ends.map(|end| end as usize);

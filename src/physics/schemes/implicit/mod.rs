@@ -6,13 +6,14 @@
 //! K⁺ of a link = k/l0 ( d̂ d̂ᵀ + max(0, 1 − l0/l) (I − d̂ d̂ᵀ) )
 //! ```
 //!
-//! K⁺ leaves out what a squashed link does across its direction, which could push outwards: so the matrix is positive
-//! definite whatever the state. Contact is in it as `(dt² k + dt d) n nᵀ`, friction as a resistance `c (I − n nᵀ)`;
-//! which of its constraints push and how much each resists is found by solving again, from the last solution or from
-//! where on the way to it the potential was least; as long as that changes a solution need not be exact. Conjugate gradients in double precision, whatever the state is in:
-//! what is held by friction is a million times stiffer than what is not. Preconditioned by the diagonal, by its whole 3×3
-//! block where a particle touches something, and by coarser grids of the body where it is stiff ([`multigrid`]); sums in
-//! a fixed order, body by body: the result is a function of the state alone.
+//! K⁺ leaves out what a compressed link does across its direction, which could push outwards: so the matrix is positive
+//! definite in any state. Contact is in it as `(dt² k + dt d) n nᵀ`, friction as a resistance `c (I − n nᵀ)`. Which contact
+//! constraints push and how much each resists is found by repeated solves, each from the last solution or from the point on
+//! the way to it where the potential was least. While constraints still change, a solution need not be exact. The solver is
+//! conjugate gradients in double precision, whatever precision the state has: a particle held by friction is a million times
+//! stiffer than a free one. The preconditioner is the diagonal, for a particle that touches something its whole 3×3 block,
+//! and for a stiff body coarser grids as well ([`multigrid`]). Sums are in a fixed order, body by body: the result is a
+//! function of the state alone.
 
 #![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 
@@ -38,18 +39,18 @@ use crate::physics::report::Recorder;
 use crate::physics::schemes::stepper::Stepper;
 use crate::physics::step::substep::Substep;
 
-/// Solves in which contact constraints may change between pushing, holding and leaving.
+/// The most solves, in which contact constraints may change between pushing, holding and leaving.
 const ROUNDS: usize = 16;
 
-/// The last of these, which end with what is safe whatever the others have come to.
+/// The last of these rounds, which lead to a safe result whatever the others found.
 const CAREFUL_ROUNDS: usize = 2;
 
-/// The first of these, which are solved no further than it takes to see what constraints do, as long as they change: in the
-/// others the hunt for them has a solution to go by.
+/// The first of these rounds, which are solved only as far as it takes to see what constraints do, while these change. The
+/// later ones are solved fully, so that the search for the constraints starts from accurate solutions.
 const ROUGH_ROUNDS: usize = 8;
 
-/// What the workspace takes in single precision for some bodies, bytes: the equations of the largest, the coarse grids of
-/// each, and what its links are worked out in exactly.
+/// Returns the memory of the workspace in single precision for some bodies, bytes: the equations of the largest, the coarse
+/// grids of each, and its links in double precision.
 pub(in crate::physics) fn bytes(bodies: &[LatticeCounts]) -> usize {
     let vectors = 9 * size_of::<DVec3>() + size_of::<f64>();
     let of_surface = size_of::<DMat3>() + size_of::<Resistance>();
@@ -76,7 +77,7 @@ pub(super) fn solve<R: Real>(
     let workspace = &mut stepper.workspace.implicit;
     let mut constraints = constraints;
     for (number, body) in model.bodies.iter().enumerate() {
-        // Nothing touches what sleeps.
+        // Nothing touches a body that sleeps.
         if state.bodies[number].asleep {
             continue;
         }
@@ -111,19 +112,19 @@ pub(super) fn solve<R: Real>(
             if is_settled && (solve.is_full || accuracy == Accuracy::Full) {
                 break;
             }
-            // What stays the same in a rough solution is solved for before it counts.
+            // Constraints that a rough solution leaves as they are count only after a full solve.
             is_rough = !is_settled;
         }
         system.finish(&mut velocity[range]);
     }
 }
 
-/// The coarse grids pay where links resist with more than so many times the mass: iterations that pass from particle to
-/// particle take as many as the body has cells, and more.
+/// The coarse grids pay if links resist with more than this many times the mass: without them iterations pass from particle
+/// to particle, and as many are needed as the body has cells, or more.
 const STIFF: f64 = 64.0;
 
 impl<R: Real> System<'_, R> {
-    /// Makes the coarse grids of a body ready for its equations where these are stiff, until it `stops`.
+    /// Prepares the coarse grids of a body if its equations are stiff, until it `stops`.
     fn prepare_grids(&mut self, families: [bool; 3], position: &[R::Vec3], stops: &dyn Fn() -> bool) {
         let Some(grids) = &mut self.workspace.grids[self.number] else { return };
         let count = self.body.particles.len();
@@ -134,7 +135,7 @@ impl<R: Real> System<'_, R> {
         }
     }
 
-    /// Adapts every constraint to the solution. Says whether it has to be solved again.
+    /// Adapts every constraint to the solution. Returns whether the equations must be solved again.
     fn reconsider(&mut self, carefully: bool) -> bool {
         let mut again = false;
         for constraint in &mut *self.constraints {

@@ -1,7 +1,7 @@
-//! Multigrid: what a body's stiffness does over distances of many cells, worked out on coarser grids of its corners.
+//! Multigrid: the effect of a body's stiffness over distances of many cells, found on coarser grids of its corners.
 //!
-//! A residual that is scaled particle by particle travels one link in an iteration. Each coarser grid has half the
-//! corners along every axis, and hands on what it cannot even out itself:
+//! A residual that is scaled particle by particle travels one link in an iteration. Each coarser grid has half the corners
+//! along every axis, and hands on what it cannot smooth out itself:
 //!
 //! ```text
 //! z = D⁻¹ r + P B Pᵀ r    D the diagonal; P trilinear weights, times the rotation of the body about a coarse corner
@@ -9,10 +9,10 @@
 //!                         is factorised
 //! ```
 //!
-//! The matrices of the coarse grids are those of the links at rest, turned with the body: they stay as they are for as
-//! long as steps have one length, and are near enough for a body that is stiff. What contact resists with is in them; or
-//! a body that stands on a few particles would fall through them on every coarse grid. z is a symmetric and positive
-//! definite function of r whatever the state, so conjugate gradients bear all that these matrices leave out.
+//! The matrices of the coarse grids are those of the links at rest, turned with the body: they stay the same while the step
+//! length does, and are accurate enough for a stiff body. They include the resistance of contact; without it a body that
+//! stands on a few particles would fall through them on every coarse grid. z is a symmetric and positive definite function
+//! of r in any state, so conjugate gradients tolerate all that these matrices leave out.
 //!
 //! Briggs, Henson and `McCormick`, "A Multigrid Tutorial", 2000, 2–4 and 8; Bramble, Pasciak and Xu, "Parallel multilevel
 //! preconditioners", 1990, for the sum; Müller et al., "Stable real-time deformations", 2002, for the rotations.
@@ -34,38 +34,38 @@ use crate::math::{Real, Vector};
 use crate::physics::kernels::SimdLevel;
 use crate::physics::model::BodyModel;
 
-/// Links between two looks at whether the matrices are still wanted: a hundredth of a second.
+/// Links between two checks whether to stop: a hundredth of a second.
 const LINKS_A_LOOK: usize = 1 << 14;
 
-/// A body of fewer particles is solved as fast without.
+/// A body of fewer particles is solved as fast without coarse grids.
 const LEAST_PARTICLES: usize = 100;
 
-/// A body whose coarse corners fill less than one in so many places of their box is solved without: there is a place of every
-/// vector for each.
+/// A body whose coarse corners fill less than one in this many places of their box has no coarse grids: vectors have an
+/// entry for every place.
 const MOST_PLACES_A_CORNER: usize = 8;
 
-/// A grid of no more corners is the coarsest.
+/// A grid of at most this many corners is the coarsest.
 const FEW_CORNERS: usize = 36;
 
-/// The coarse grids of one body, finest first; vectors in double precision: a motion as a whole is a million times less than
-/// what it cancels from.
+/// The coarse grids of one body, finest first. Vectors are in double precision: the motion of the whole body is a million
+/// times smaller than the terms that cancel to give it.
 #[derive(Clone, Debug)]
 pub(super) struct Multigrid {
-    /// What the matrices are for: the step length, s, and the families of links.
+    /// What the matrices were made for: the step length, s, and the families of links.
     made_for: Option<(f64, [bool; 3])>,
-    /// Those of the particles on the finest of these grids.
+    /// The parents of the particles on the finest of these grids.
     parents: Parents,
-    /// What is around each of its corners, and how that has turned.
+    /// The particles around each of its corners, summed up, and how they have turned.
     around: Vec<Around>,
     rotations: Vec<DMat3>,
-    /// What the corners of the finest get, N·s, and what they give, m/s.
+    /// The load of the finest grid's corners, N·s, and then their solution, m/s.
     load: Vec<DVec3>,
     grids: Vec<Grid>,
     bottom: Bottom,
 }
 
 impl Multigrid {
-    /// The coarse grids of a body; none where they would not pay.
+    /// Returns the coarse grids of a body; none if they would not pay.
     pub(super) fn new<R: Real>(body: &BodyModel<R>) -> Option<Self> {
         let finest = &body.lattice.corners;
         if finest.len() < LEAST_PARTICLES {
@@ -91,7 +91,7 @@ impl Multigrid {
         Some(Self { made_for: None, parents: of_particles, around, rotations, load, grids, bottom })
     }
 
-    /// What the grids of a body take, bytes: one corner for eight particles, and for four on a surface.
+    /// Returns the memory of a body's grids, bytes, with one corner for eight particles inside and for four on the surface.
     pub(super) fn bytes(body: &LatticeCounts) -> usize {
         if body.particles < LEAST_PARTICLES {
             return 0;
@@ -103,8 +103,8 @@ impl Multigrid {
         corners * of_corner + body.particles * 5 * size_of::<u32>()
     }
 
-    /// Makes the matrices for a step of `dt` (s) and takes note of how the body has turned, until it `stops`: they are
-    /// made anew then. The positions are the body's own, m.
+    /// Makes the matrices for a step of `dt` (s), unless they are there already, and finds how the body has turned. If it
+    /// `stops`, the matrices are made anew the next time. The positions are the body's own, m.
     pub(super) fn prepare<R: Real>(
         &mut self,
         body: &BodyModel<R>,
@@ -134,9 +134,9 @@ impl Multigrid {
         }
     }
 
-    /// The matrices of all grids without contact: that of the finest from mass, damping and stiffness at rest, `M + dt C +
-    /// dt² K`; those of the others from the one before, `Pᵀ A P`. Says whether all of it is done: not where it `stops`, as it
-    /// takes seconds for millions of links.
+    /// Makes the matrices of all grids without contact: that of the finest from mass, damping and stiffness at rest,
+    /// `M + dt C + dt² K`, and each coarser one from the one before, `Pᵀ A P`. Returns whether it is done: it gives up when
+    /// it `stops`, as millions of links take seconds.
     fn fill<R: Real>(&mut self, body: &BodyModel<R>, families: [bool; 3], dt: f64, stops: &dyn Fn() -> bool) -> bool {
         let Some(finest) = self.grids.first_mut() else { return true };
         finest.clear();
@@ -159,8 +159,8 @@ impl Multigrid {
                 let block = DMat3::from_cols(along * along.x, along * along.y, along * along.z) * resistance;
                 let [of_from, of_to] = ends.map(|end| Share::of(self.parents.of(end), is_free(end)));
                 if (0..3).any(|axis| from[axis].abs_diff(to[axis]) > 1 && from[axis] % 2 == 1) {
-                    // It spans coarse corners that are two apart and have nothing to do with each other: it goes over those
-                    // between, which both its ends hang on.
+                    // The link spans coarse corners that are two apart, between which the matrix has no entry. Two links
+                    // replace it, by way of the corners between, which are parents of both its ends.
                     let between = Share::common(ends.map(|end| self.parents.of(end)));
                     finest.add(&of_from.minus(&between), &(block * 2.0));
                     finest.add(&between.minus(&of_to), &(block * 2.0));
@@ -180,8 +180,8 @@ impl Multigrid {
         true
     }
 
-    /// Takes what contact resists with into the matrices, kg, of free particles that are given by their local numbers, and
-    /// what was there before out of them.
+    /// Adds the resistance of contact to the matrices, kg, for free particles given by their local numbers, and removes that
+    /// of the last call.
     pub(super) fn hold(&mut self, touched: impl Iterator<Item = (usize, DMat3)>) {
         let Self { grids, parents, rotations, bottom, .. } = self;
         grids.iter_mut().for_each(Grid::release);
@@ -202,7 +202,7 @@ impl Multigrid {
         }
     }
 
-    /// Adds what the coarse grids make of a residual, N·s, to the change of each particle's velocity, m/s.
+    /// Adds the correction of the coarse grids for a residual, N·s, to the change of each particle's velocity, m/s.
     pub(super) fn correct(&mut self, level: SimdLevel, residual: &[DVec3], change: &mut [DVec3]) {
         let Self { parents, rotations, grids, bottom, load, .. } = self;
         level.run(
@@ -224,7 +224,7 @@ impl Multigrid {
     }
 }
 
-/// Sums up a vector of particles for the corners that they hang on.
+/// Sums up a vector of particles at their parents.
 #[inline(always)]
 fn restrict(parents: &Parents, residual: &[DVec3], load: &mut [DVec3]) {
     load.fill(DVec3::ZERO);
@@ -237,7 +237,7 @@ fn restrict(parents: &Parents, residual: &[DVec3], load: &mut [DVec3]) {
     }
 }
 
-/// Adds what a solution for the corners is for the particles.
+/// Interpolates a solution at the corners to the particles and adds it.
 #[inline(always)]
 fn prolong(parents: &Parents, solution: &[DVec3], change: &mut [DVec3]) {
     for (particle, change) in change.iter_mut().enumerate() {
@@ -247,7 +247,7 @@ fn prolong(parents: &Parents, solution: &[DVec3], change: &mut [DVec3]) {
     }
 }
 
-/// Solves roughly for the load of the first grid: down to the coarsest, and back.
+/// Solves roughly for the load of the finest grid: down to the coarsest, and back.
 #[inline(always)]
 fn cycle(grids: &mut [Grid], bottom: &mut Bottom) {
     for finer in 1..grids.len() {

@@ -11,8 +11,9 @@ use crate::physics::interaction::Grab;
 use crate::physics::kernels::{SimdLevel, Tangents};
 use crate::physics::model::{BodyModel, Model};
 
-/// A link's block of the matrix: `across I + along alongᵀ` between its ends. In the precision of the state: reading these
-/// is what an iteration takes longest for, and the matrix may be a little off as long as it is the same throughout.
+/// A link's block of the matrix: `across I + along alongᵀ` between its ends. It is in the precision of the state: an
+/// iteration spends most of its time reading blocks, and the matrix may be a little off as long as it is the same
+/// throughout.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LinkBlock<R: Real> {
     pub(super) ends: [u32; 2],
@@ -28,20 +29,20 @@ impl<R: Real> LinkBlock<R> {
     }
 }
 
-/// What the equations of the largest body are solved in.
+/// The workspace for the equations, with room for the largest body.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics::schemes) struct ImplicitWorkspace<R: Real> {
-    /// The links of a body in its box, ...
+    /// The blocks of links for a body with a box, ...
     pub(super) tangents: Tangents<R>,
-    /// ... and of one that has none, in their order.
+    /// ... and for one without, in the order of the links.
     pub(super) blocks: Vec<LinkBlock<R>>,
-    /// Of cells that are pushed back from inversion.
+    /// The resistances of cells that are pushed back from inversion.
     pub(super) resistances: Vec<Resistance>,
-    /// What the matrix has on its diagonal without constraints, by particle, kg, ...
+    /// The diagonal of the matrix without constraints, by particle, kg, ...
     pub(super) diagonal: Vec<f64>,
     /// ... and its inverse for each component; zero where a particle is pinned.
     pub(super) inverse_diagonal: Vec<DVec3>,
-    /// The inverse blocks of the touched particles, one for each constraint; only the first of a particle's counts.
+    /// The inverse blocks of touched particles, in order; room for one for each constraint.
     pub(super) inverse_blocks: Vec<DMat3>,
     pub(super) right_hand_side: Vec<DVec3>,
     pub(super) velocity: Vec<DVec3>,
@@ -62,7 +63,7 @@ impl<R: Real> ImplicitWorkspace<R> {
         let most = |count: fn(&BodyModel<R>) -> usize| model.bodies.iter().map(count).max().unwrap_or(0);
         let particles = most(|body| body.particles.len());
         let links = most(|body| if body.boxed_links.is_some() { 0 } else { body.link_count() });
-        // What is crushed or touched beyond a body's surface makes room for itself once.
+        // More crushed cells or contacts than a body has surface particles allocate room once.
         let surface = most(|body| body.lattice.surface);
         let vectors = || vec![DVec3::ZERO; particles];
         Self {
@@ -88,12 +89,12 @@ impl<R: Real> ImplicitWorkspace<R> {
 /// The equations of one body.
 pub(super) struct System<'a, R: Real> {
     pub(super) body: &'a BodyModel<R>,
-    /// Its place among the bodies.
+    /// The body's place among the bodies.
     pub(super) number: usize,
     pub(super) dt: f64,
-    /// The instructions that products are worked out with, ...
+    /// The instruction set for products, ...
     pub(super) level: SimdLevel,
-    /// ... and by how many threads.
+    /// ... and the number of threads.
     pub(super) threads: usize,
     pub(super) grab: Option<&'a Grab<R>>,
     pub(super) constraints: &'a mut [ContactConstraint],

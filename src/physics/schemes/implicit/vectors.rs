@@ -6,10 +6,10 @@ use glam::DVec3;
 use crate::math::{components, components_mut};
 use crate::physics::kernels::SimdLevel;
 
-/// Parts of a sum.
+/// Partial sums of a sum.
 const PARTS: usize = 8;
 
-/// The inner product.
+/// Returns the inner product.
 pub(super) fn dot(level: SimdLevel, a: &[DVec3], b: &[DVec3]) -> f64 {
     level.run(
         #[inline(always)]
@@ -26,7 +26,7 @@ pub(super) fn dot(level: SimdLevel, a: &[DVec3], b: &[DVec3]) -> f64 {
     )
 }
 
-/// `scaled = residual × inverse`, component by component. Returns the inner product of the residual with it.
+/// `scaled = residual × inverse`, component by component. Returns the inner product of `residual` and `scaled`.
 pub(super) fn scale(level: SimdLevel, residual: &[DVec3], inverse: &[DVec3], scaled: &mut [DVec3]) -> f64 {
     level.run(
         #[inline(always)]

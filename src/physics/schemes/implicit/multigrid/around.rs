@@ -1,13 +1,13 @@
-//! How a body has turned about a point.
+//! The rotation of a body about a point.
 
 use glam::{DMat3, DVec3};
 
 use crate::physics::forces::recovery::nearest_rotation;
 
-/// A rotation is one above this determinant.
+/// A matrix counts as a rotation above this determinant.
 const TURNS: f64 = 0.5;
 
-/// Sums over the particles around a point, weighted: of ones, of places now and at rest, and of their products.
+/// Weighted sums over the particles around a point: of ones, of positions now and at rest, and of their products.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Around {
     weight: f64,
@@ -35,7 +35,7 @@ impl Around {
         self
     }
 
-    /// The rotation nearest to how they moved; none where they lie along a line.
+    /// Returns the rotation nearest to the particles' motion; none if they lie along a line.
     pub(super) fn rotation(&self) -> Option<DMat3> {
         let moved = self.products - outer(self.now / self.weight, self.rest);
         let [a, b, c] = [moved.x_axis, moved.y_axis, moved.z_axis];

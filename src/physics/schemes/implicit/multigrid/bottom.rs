@@ -5,19 +5,19 @@ use glam::DVec3;
 use super::colours::Colours;
 use super::grid::Grid;
 
-/// A pivot below this share of its diagonal is rounding: it belongs to what is held.
+/// A pivot below this share of its diagonal is rounding error: only pinned particles belong to its row.
 const HELD: f64 = 1e-12;
 
-/// The factor of a symmetric matrix: its rows, lower triangle.
+/// The factor of a symmetric matrix, by rows: the lower triangle.
 #[derive(Clone, Debug)]
 pub(super) struct Bottom {
     factor: Vec<f64>,
-    /// What is solved for, as numbers.
+    /// The solution, as numbers.
     values: Vec<f64>,
 }
 
 impl Bottom {
-    /// Room for a grid of so many corners.
+    /// Allocates room for a grid of this many corners.
     pub(super) fn new(corners: usize) -> Self {
         let rows = 3 * corners;
         Self { factor: vec![0.0; rows * rows], values: vec![0.0; rows] }
@@ -41,7 +41,7 @@ impl Bottom {
                 own[j] = (own[j] - dot(&own[..j], &row[..j])) * row[j];
             }
             let pivot = own[i] - dot(&own[..i], &own[..i]);
-            // The diagonal holds its inverse: nothing where a row is held.
+            // The diagonal holds its inverse: zero for a row of pinned particles.
             own[i] = if pivot > HELD * own[i] { 1.0 / pivot.sqrt() } else { 0.0 };
         }
     }

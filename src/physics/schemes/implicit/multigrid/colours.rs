@@ -1,17 +1,17 @@
 //! Gauss–Seidel over a coarse grid, colour by colour.
 //!
-//! Corners whose numbers are even and odd alike have nothing to do with each other: each of these eight colours is relaxed
-//! at once. Those of one colour lie in a box of half the size, with room for one more at each end, so that what is next to a
-//! corner along any direction is at a constant distance, and vector instructions take many corners at a time:
+//! Corners whose numbers are even and odd along the same axes are not connected: each of these eight colours is relaxed at
+//! once. The corners of one colour lie in a box of half the size, with room for one more at each end. So the neighbour of a
+//! corner in any direction is at a constant distance, and vector instructions take many corners at a time:
 //!
 //! ```text
 //!   x of the corners    0 1 2 3 4 5 …     even   0 2 4 …     odd   1 3 5 …
 //!   next to an odd one  one less: the even one at the same place; one more: the one at the next place
 //! ```
 //!
-//! A block of the symmetric matrix is kept once, with the corner of the later colour. Blocks are in single precision, as
-//! reading them is what a sweep takes longest for. Vectors are not: what rounding leaves on them is high waves, which a stiff
-//! body resists with more than there was to solve for, and iterations go up by half.
+//! A block of the symmetric matrix is kept once, with the corner of the later colour. Blocks are in single precision, as a
+//! sweep spends most of its time reading them. Vectors are in double precision: the rounding errors of single precision are
+//! waves of high frequency, which a stiff body resists with more than there was to solve for, and iterations go up by half.
 
 use std::ops::Range;
 
@@ -34,20 +34,20 @@ type Lanes = [f64; LANES];
 /// Blocks of three rows and columns, row by row.
 type LaneBlocks = [Lanes; 9];
 
-/// The same in single precision.
+/// Blocks in single precision.
 type TermBlocks = [[f32; LANES]; 9];
 
 /// The corners of a grid by colours, with the matrix and the vectors of a V-cycle.
 #[derive(Clone, Debug)]
 pub(super) struct Colours {
-    /// Places before the first of a colour.
+    /// Places before the first corner of a colour.
     margin: usize,
-    /// Places to the next along each axis.
+    /// Places to the next corner along each axis.
     strides: [usize; 3],
     /// Places of a colour.
     length: usize,
     groups: Vec<Group>,
-    /// Which of the groups are of each colour.
+    /// The groups of each colour.
     of_colour: [Range<usize>; COLOURS],
     /// The blocks of the matrix between a group's corners and those of earlier colours, kg.
     terms: Vec<Term>,
@@ -55,15 +55,15 @@ pub(super) struct Colours {
     inverse: Vec<LaneBlocks>,
     /// Where each corner is.
     places: Vec<Place>,
-    /// Where the corners of the next coarser grid are in what is handed on to them.
+    /// Where the corners of the next coarser grid are in `coarse`.
     parents: Vec<u32>,
     /// Right-hand side, N·s.
     load: [Vec<f64>; 3],
-    /// m/s.
+    /// Solution, m/s.
     solution: [Vec<f64>; 3],
-    /// What is left of the load, N·s.
+    /// Residual, N·s.
     residual: [Vec<f64>; 3],
-    /// What is handed on to the next coarser grid, and what comes back.
+    /// Load that is handed on to the next coarser grid, and then its solution.
     coarse: [Vec<f64>; 3],
 }
 
@@ -87,17 +87,18 @@ struct Term {
 /// Where a corner is.
 #[derive(Clone, Copy, Debug)]
 struct Place {
-    /// In vectors.
+    /// Its place in vectors.
     at: u32,
     group: u32,
     lane: u32,
 }
 
 impl Colours {
-    /// Those of a grid whose corners are x fastest, ascending, without a matrix; `coarser` are the corners of the next one.
+    /// Sorts the corners of a grid, which are x fastest, ascending, into colours, without a matrix; `coarser` are the
+    /// corners of the next coarser grid.
     pub(super) fn new(corners: &[[u32; 3]], coarser: &[[u32; 3]]) -> Self {
         let most = |axis: usize| corners.iter().map(|corner| corner[axis] as usize).max().unwrap_or(0);
-        // As many as the next coarser grid has, and one that is empty.
+        // As many as the next coarser grid has, and one empty place.
         let [x, y, z] = [0, 1, 2].map(|axis| most(axis).div_ceil(2) + 2);
         let strides = [1, x, x * y];
         let margin: usize = strides.iter().sum();
@@ -154,7 +155,7 @@ impl Colours {
         this
     }
 
-    /// The place of the neighbour of the corner at place 0 of a colour.
+    /// Returns the place of the neighbour of the corner at place 0 of a colour.
     fn offset(&self, colour: usize, step: usize) -> usize {
         let (mut ahead, mut back) = (neighbour(colour, step) * self.length, 0);
         for axis in 0..3 {
@@ -168,14 +169,14 @@ impl Colours {
         ahead - back
     }
 
-    /// What a corner takes, bytes: blocks where half of the places are empty, and vectors over `places` of the box.
+    /// Returns the memory of a corner, bytes: blocks if half of the places are empty, and vectors over `places` of the box.
     pub(super) const fn bytes_a_corner(places: usize) -> usize {
         let blocks = size_of::<[f32; 9]>() * (STEPS / 2) + size_of::<[f64; 9]>();
         2 * blocks + places * size_of::<[f64; 9]>() + size_of::<Place>()
     }
 
-    /// Sets the block of the matrix in the row of one corner and the column of another, which is a `step` away from it,
-    /// kg, and so that of the other way round.
+    /// Sets the block of the matrix in the row of one corner and the column of another, a `step` away from it, kg, and so
+    /// also the mirrored block.
     pub(super) fn set(&mut self, [row, column]: [usize; 2], step: usize, block: &DMat3) {
         let colour = |number: usize| self.places[number].at as usize / self.length;
         if colour(row) > colour(column) {
@@ -185,7 +186,7 @@ impl Colours {
         }
     }
 
-    /// Sets a block by its transpose, column after column of which its rows are.
+    /// Sets a block, given its transpose: the columns of the transpose are the rows that are stored.
     fn set_term(&mut self, row: usize, step: usize, transpose: &DMat3) {
         let Place { group, lane, .. } = self.places[row];
         let terms = self.groups[group as usize].terms.clone();
@@ -204,7 +205,7 @@ impl Colours {
         }
     }
 
-    /// The load of a corner.
+    /// Sets the load of a corner.
     #[inline(always)]
     pub(super) fn set_load(&mut self, number: usize, load: DVec3) {
         let at = self.places[number].at as usize;
@@ -213,13 +214,13 @@ impl Colours {
         }
     }
 
-    /// The load of a corner.
+    /// Returns the load of a corner.
     #[inline(always)]
     pub(super) fn load(&self, number: usize) -> DVec3 {
         self.at(&self.load, number)
     }
 
-    /// The solution at a corner.
+    /// Returns the solution at a corner.
     #[inline(always)]
     pub(super) fn solution(&self, number: usize) -> DVec3 {
         self.at(&self.solution, number)
@@ -241,7 +242,8 @@ impl Colours {
         DVec3::new(x[at], y[at], z[at])
     }
 
-    /// Relaxes all corners from nothing, in the order of colours. What the later colours do to a corner is left.
+    /// Relaxes all corners from a solution of zero, in the order of colours. What the later colours do to a corner remains
+    /// as its residual.
     #[inline(always)]
     pub(super) fn forth(&mut self) {
         for of in self.solution.iter_mut().chain(&mut self.residual) {
@@ -275,7 +277,7 @@ impl Colours {
         }
     }
 
-    /// Relaxes all corners against the order of colours. The load is worked off.
+    /// Relaxes all corners against the order of colours. Uses up the load.
     #[inline(always)]
     pub(super) fn back(&mut self) {
         for colour in (0..COLOURS).rev() {
@@ -306,7 +308,7 @@ impl Colours {
         }
     }
 
-    /// Hands what is left after [`Self::forth`] on to the next coarser grid.
+    /// Hands the residual after [`Self::forth`] on to the next coarser grid.
     #[inline(always)]
     pub(super) fn restrict(&mut self, coarser: &mut Self) {
         for (left, coarse) in self.residual.iter().zip(&mut self.coarse) {
@@ -346,7 +348,7 @@ impl Colours {
     }
 }
 
-/// How corners of a colour hang on those of the next coarser grid.
+/// How corners of a colour are interpolated from those of the next coarser grid.
 #[derive(Clone, Copy, Debug)]
 struct Hanging {
     colour: usize,
@@ -355,7 +357,8 @@ struct Hanging {
     weight: f64,
 }
 
-/// All ways: along each axis along which it is odd a corner lies between two coarse ones.
+/// Returns all pairs of a corner's colour and a coarse corner: along each axis along which it is odd a corner lies between
+/// two coarse ones.
 fn hanging(strides: [usize; 3]) -> impl Iterator<Item = Hanging> {
     (0..COLOURS).flat_map(move |colour| {
         let weight = [1.0, 0.5, 0.25, 0.125][colour.count_ones() as usize];
@@ -366,17 +369,17 @@ fn hanging(strides: [usize; 3]) -> impl Iterator<Item = Hanging> {
     })
 }
 
-/// Along x, y and z: 1 where odd, one bit each.
+/// Returns the colour of a corner: one bit each for x, y and z, 1 where odd.
 fn colour_of(corner: [u32; 3]) -> usize {
     (0..3).map(|axis| (corner[axis] as usize & 1) << axis).sum()
 }
 
-/// The component of a step, plus one.
+/// Returns a component of a step, plus one.
 fn along(step: usize, axis: usize) -> usize {
     step / [1, 3, 9][axis] % 3
 }
 
-/// The colour of the neighbour of a corner.
+/// Returns the colour of a corner's neighbour.
 fn neighbour(colour: usize, step: usize) -> usize {
     (0..3).filter(|axis| along(step, *axis) != 1).fold(colour, |colour, axis| colour ^ 1 << axis)
 }
@@ -395,11 +398,11 @@ fn lanes_mut(of: &mut [f64], first: usize) -> &mut Lanes {
     of[first..].first_chunk_mut().expect("there is room for a group past the last corner")
 }
 
-/// A group of corners of one colour.
+/// A group of corners of one colour that is relaxed.
 struct Relaxed<'a> {
     /// The place of the first.
     first: usize,
-    /// What of the matrix ties them to the earlier colours.
+    /// The blocks that connect them with the earlier colours.
     terms: &'a [Term],
     /// The inverses of their own blocks.
     inverse: &'a LaneBlocks,
@@ -408,10 +411,10 @@ struct Relaxed<'a> {
     before: [&'a [f64]; 3],
 }
 
-/// Relaxes a group of corners: their solution becomes what their load and the solution of the earlier colours make it. What
-/// they do to those colours is taken from what is `left` there.
+/// Relaxes a group of corners: solves for them with their load and the solution of the earlier colours. Their effect on
+/// those colours is subtracted from what is `left` there.
 ///
-/// What is written is borrowed by arguments of their own, or no vectors are made of the loops.
+/// The outputs are separate arguments, or the loops are not vectorised.
 #[inline(always)]
 fn relax(
     Relaxed { first, terms, inverse, load, before: [before_x, before_y, before_z] }: Relaxed<'_>,

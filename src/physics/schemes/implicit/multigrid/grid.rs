@@ -1,5 +1,5 @@
-//! One coarse grid: its corners and a symmetric matrix that connects each with its 26 neighbours, as it is made of that of
-//! the finer grid and of contact. [`super::colours`] sweeps over it.
+//! One coarse grid: its corners and a symmetric matrix that connects each with its 26 neighbours, made from that of the
+//! finer grid and from contact. [`super::colours`] sweeps over it.
 
 use glam::DMat3;
 
@@ -19,24 +19,25 @@ pub(super) struct Grid {
     pub(super) corners: Vec<[u32; 3]>,
     /// Their parents on the next coarser grid; none on the coarsest.
     pub(super) parents: Parents,
-    /// The numbers of the neighbours that come before; a corner's own where there is none.
+    /// The numbers of the neighbours that come before; the corner's own number where there is none.
     near: Vec<[u32; SELF]>,
     /// The rows of the matrix up to the diagonal, kg; zero where there is no neighbour.
     rows: Vec<[DMat3; ROW]>,
-    /// What it is swept in.
+    /// The matrix and the vectors in the form that sweeps use.
     pub(super) colours: Colours,
-    /// What the rows are without contact where contact resists, and where that is.
+    /// The rows without contact of the corners where contact resists, and which corners these are.
     free: Vec<(u32, [DMat3; ROW])>,
     is_held: Vec<bool>,
 }
 
 impl Grid {
-    /// What a corner takes, where contact resists left out, in a box with so many places for each, bytes.
+    /// Returns the memory of a corner in a box with this many places for each, bytes; the rows kept for contact are left
+    /// out.
     pub(super) const fn bytes_a_corner(places: usize) -> usize {
         size_of::<[u32; 3]>() + size_of::<[u32; SELF]>() + size_of::<[DMat3; ROW]>() + Colours::bytes_a_corner(places)
     }
 
-    /// A grid without a matrix, and its parents on the next coarser one, whose corners are `coarser`.
+    /// Makes a grid without a matrix, with its parents on the next coarser one, whose corners are `coarser`.
     pub(super) fn new(corners: Vec<[u32; 3]>, parents: Parents, coarser: &[[u32; 3]]) -> Self {
         let colours = Colours::new(&corners, coarser);
         let count = corners.len();
@@ -80,14 +81,14 @@ impl Grid {
         }
     }
 
-    /// Where in a row a column is that does not come after it.
+    /// Returns the place in a row of a column that does not come after it.
     fn place(&self, row: u32, column: u32) -> usize {
         let (from, to) = (self.corners[row as usize], self.corners[column as usize]);
         let step = |axis: usize| 1 + to[axis] as usize - from[axis] as usize;
         step(0) + 3 * step(1) + 9 * step(2)
     }
 
-    /// Becomes `Pᵀ A P` of the finer grid.
+    /// Makes the matrix `Pᵀ A P` of the finer grid.
     pub(super) fn project(&mut self, finer: &Self) {
         self.clear();
         for number in 0..finer.corners.len() {
@@ -111,12 +112,12 @@ impl Grid {
         }
     }
 
-    /// Makes the matrix ready to be swept.
+    /// Copies the matrix to where it is swept.
     pub(super) fn take_over_all(&mut self) {
         (0..self.corners.len()).for_each(|number| self.take_over(number));
     }
 
-    /// Takes away what contact resists with.
+    /// Removes the resistance of contact.
     pub(super) fn release(&mut self) {
         while let Some((number, row)) = self.free.pop() {
             let number = number as usize;
@@ -125,8 +126,8 @@ impl Grid {
         }
     }
 
-    /// Adds what contact resists with, kg, to a particle whose velocity is the sum of `parts` times those of corners. What is
-    /// swept comes after it.
+    /// Adds the resistance of contact, kg, of a particle whose velocity is the sum of `parts` times those of corners.
+    /// [`Self::take_over_held`] passes it on to sweeps.
     pub(super) fn hold(&mut self, parts: &Parts, resistance: &DMat3) {
         for (row, by_row) in parts.all() {
             let number = *row as usize;
@@ -144,14 +145,14 @@ impl Grid {
         }
     }
 
-    /// Makes the rows ready to be swept where contact resists.
+    /// Copies the rows where contact resists to where they are swept.
     pub(super) fn take_over_held(&mut self) {
         for at in 0..self.free.len() {
             self.take_over(self.free[at].0 as usize);
         }
     }
 
-    /// A sum over corners as one over their parents.
+    /// Returns a sum over corners as one over their parents.
     pub(super) fn on_parents(&self, parts: &Parts) -> Parts {
         let mut sum = Parts::NONE;
         if self.parents.len() == 0 {
@@ -166,13 +167,13 @@ impl Grid {
         sum
     }
 
-    /// The row of the matrix of a corner up to the diagonal, with the numbers of the columns.
+    /// Returns a corner's row of the matrix up to the diagonal, with the numbers of the columns.
     pub(super) fn row(&self, number: usize) -> impl Iterator<Item = (usize, DMat3)> {
         let before = self.near[number].iter().map(|near| *near as usize).zip(self.rows[number]);
         before.filter(move |(near, _)| *near != number).chain([(number, self.rows[number][SELF])])
     }
 
-    /// Takes what has become of the row of a corner over to where it is swept.
+    /// Copies the row of a corner to where it is swept.
     fn take_over(&mut self, number: usize) {
         let row = &self.rows[number];
         for (step, (near, block)) in self.near[number].iter().zip(row).enumerate() {
@@ -184,12 +185,12 @@ impl Grid {
     }
 }
 
-/// The inverse of a block on the diagonal: nothing where all that hangs on the corner is held.
+/// Returns the inverse of a block on the diagonal: zero if only pinned particles belong to the corner.
 fn inverted(block: &DMat3) -> DMat3 {
     if block.determinant() == 0.0 { DMat3::ZERO } else { block.inverse() }
 }
 
-/// A sum over corners, each with its factor: up to eight, and as many of another's.
+/// A sum over corners, each with its factor: up to eight, and as many from another sum.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Share {
     parts: [(u32, f64); 16],
@@ -197,7 +198,7 @@ pub(super) struct Share {
 }
 
 impl Share {
-    /// The mean of parents, times a factor.
+    /// Returns the mean of parents, times a factor.
     pub(super) fn of((corners, weight): (&[u32], f64), factor: f64) -> Self {
         let mut share = Self { parts: [(0, 0.0); 16], count: 0 };
         for &corner in corners {
@@ -206,7 +207,7 @@ impl Share {
         share
     }
 
-    /// The mean of the parents that two corners have in common.
+    /// Returns the mean of the parents that two corners have in common.
     pub(super) fn common([(one, _), (other, _)]: [(&[u32], f64); 2]) -> Self {
         let mut share = Self::of((&[], 0.0), 0.0);
         one.iter().filter(|corner| other.contains(corner)).for_each(|&corner| share.put(corner, 1.0));
@@ -234,7 +235,7 @@ impl Share {
     }
 }
 
-/// A sum over corners, each with its matrix: of a particle, whose corners lie about one cell of every grid.
+/// A sum over corners, each with its matrix: the velocity of a particle, whose corners lie about one cell of every grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Parts {
     parts: [(u32, DMat3); 8],

@@ -1,21 +1,21 @@
-//! From a set of corners to one of half the corners along every axis.
+//! Coarsens a set of corners to one of half the corners along every axis.
 
-/// For each corner of a grid the corners of the next coarser one that it hangs on: itself where its numbers are even, else
-/// the two, four or eight that it lies between, each with the same weight.
+/// The parents of each corner of a grid: the corners of the next coarser grid that it is interpolated from. These are the
+/// corner itself if its numbers are even, else the two, four or eight that it lies between, all with the same weight.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Parents {
-    /// Where in the list each corner's begin, and its end.
+    /// Where each corner's parents begin in the list, and the end of the list.
     starts: Vec<u32>,
     list: Vec<u32>,
 }
 
 impl Parents {
-    /// How many corners hang.
+    /// Returns how many corners have parents.
     pub(super) fn len(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
 
-    /// The parents of a corner, and how much it hangs on each.
+    /// Returns the parents of a corner, and the weight of each.
     #[inline]
     pub(super) fn of(&self, corner: usize) -> (&[u32], f64) {
         let own = &self.list[self.starts[corner] as usize..self.starts[corner + 1] as usize];
@@ -23,7 +23,7 @@ impl Parents {
     }
 }
 
-/// The coarser grid of some corners, x fastest, ascending, and their parents on it.
+/// Returns the coarser grid of some corners, x fastest, ascending, and their parents on it.
 pub(super) fn coarsened(finer: &[[u32; 3]]) -> (Vec<[u32; 3]>, Parents) {
     let mut all: Vec<[u32; 3]> = finer.iter().flat_map(around).collect();
     all.sort_unstable_by_key(order);
@@ -37,7 +37,7 @@ pub(super) fn coarsened(finer: &[[u32; 3]]) -> (Vec<[u32; 3]>, Parents) {
     (all, parents)
 }
 
-/// The number of a corner among corners in their order.
+/// Returns the number of a corner among corners in their order.
 pub(super) fn find(corners: &[[u32; 3]], corner: [u32; 3]) -> Option<u32> {
     let found = corners.binary_search_by_key(&order(&corner), order).ok()?;
     u32::try_from(found).ok()
@@ -47,7 +47,7 @@ fn order(corner: &[u32; 3]) -> [u32; 3] {
     [corner[2], corner[1], corner[0]]
 }
 
-/// The coarse corners around a corner, in their order.
+/// Returns the coarse corners around a corner, in their order.
 fn around(corner: &[u32; 3]) -> impl Iterator<Item = [u32; 3]> {
     let [x, y, z] = corner.map(|c| c / 2..=c.div_ceil(2));
     z.flat_map(move |z| {

@@ -1,17 +1,18 @@
-//! Sweeps by colours beside sweeps corner by corner.
+//! Sweeps by colours compared with sweeps corner by corner.
 
 use super::*;
 use crate::math::rng::Rng;
 use crate::physics::schemes::implicit::multigrid::parents;
 
-/// Half of the corners of a box, and a whole one.
+/// Returns half of the corners of a box, and all of them.
 fn sets() -> [Vec<[u32; 3]>; 2] {
     let all = || (0..6).flat_map(|z| (0..5).flat_map(move |y| (0..9).map(move |x| [x, y, z])));
     let mut rng = Rng::new(3);
     [all().filter(|_| rng.between(0.0, 1.0) < 0.5).collect(), all().collect()]
 }
 
-/// A matrix by pairs of neighbours, of numbers that are the same in single precision, and what is made of it.
+/// A matrix by pairs of neighbours, with entries that single precision holds exactly, and the inverses of its diagonal
+/// blocks.
 struct Matrix {
     corners: Vec<[u32; 3]>,
     blocks: Vec<([usize; 2], DMat3)>,
@@ -46,7 +47,7 @@ impl Matrix {
         colours
     }
 
-    /// What all others do to a corner that some `choose`.
+    /// Returns what the other corners that `choose` selects do to a corner.
     fn on(&self, number: usize, solution: &[DVec3], choose: impl Fn(usize) -> bool) -> DVec3 {
         self.blocks.iter().fold(DVec3::ZERO, |sum, ([row, column], block)| match () {
             () if *row == number && choose(*column) => sum + *block * solution[*column],
@@ -70,7 +71,7 @@ fn furthest(found: impl Iterator<Item = DVec3>, expected: &[DVec3]) -> f64 {
     found.zip(expected).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
 }
 
-/// How far sweeps over some corners are from those corner by corner.
+/// Returns how far sweeps by colours are from those corner by corner.
 fn difference(colours: &mut Colours, matrix: &Matrix) -> f64 {
     let mut rng = Rng::new(5);
     let count = matrix.corners.len();
