@@ -136,7 +136,7 @@
 //! physics/simulation.rs           replace_model   the next substep is taken by them
 //! session/mod.rs                  advance         as much time as has passed
 //! physics/stepping/mod.rs         advance         part by part
-//! physics/step/mod.rs             substep         the stages of a part
+//! physics/step/mod.rs             take_part       the stages of a part
 //! physics/forces/mod.rs           evaluate        all forces: those of links by a thread's shares
 //! physics/kernels/sweep.rs        add_forces      piece by piece
 //! physics/kernels/block.rs        add_forces      the force of a link

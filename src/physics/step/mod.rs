@@ -18,8 +18,11 @@
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
 //! anything is written: the state stays the last good one and the report says so.
 
+mod precision;
 pub(in crate::physics) mod pull;
 pub(in crate::physics) mod substep;
+
+pub(super) use precision::substep;
 
 use super::contact::{self, ContactRecord, Placed};
 use super::forces;
@@ -155,8 +158,8 @@ pub(super) enum Ending {
     Diverged,
 }
 
-/// Advances the state by a substep or a part of it.
-pub(super) fn substep<R: Real>(
+/// Advances the state by a substep or a part of it: called by [`substep`] alone.
+fn take_part<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     part: Part,

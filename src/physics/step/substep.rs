@@ -67,7 +67,6 @@ impl<R: Real> Substep<'_, R> {
 
 /// The stretch of time that one evaluation of a scheme covers: a substep or a part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a fact about it, and any mixture may be")]
 pub(in crate::physics) struct Part {
     /// Its length, s.
     pub(in crate::physics) secs: f64,
@@ -79,8 +78,6 @@ pub(in crate::physics) struct Part {
     pub(in crate::physics) bodies_are_near: bool,
     /// What to do where the implicit scheme would give energy from nowhere.
     pub(in crate::physics) gain: Gain,
-    /// Whether the substep begins with it.
-    pub(in crate::physics) is_first: bool,
     /// Whether the substep ends with it.
     pub(in crate::physics) is_last: bool,
 }

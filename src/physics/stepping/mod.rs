@@ -121,7 +121,6 @@ pub(in crate::physics) fn whole(plan: &Plan) -> Part {
         is_strained: false,
         bodies_are_near: plan.between_bodies.is_some(),
         gain: Gain::Take,
-        is_first: true,
         is_last: true,
     }
 }
@@ -230,7 +229,6 @@ impl Division {
             is_strained: self.parts > 1,
             bodies_are_near: self.bodies_are_near,
             gain,
-            is_first: self.left == self.parts,
             is_last: self.left == 1 && state.part + length == whole,
         })
     }
