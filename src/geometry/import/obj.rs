@@ -1,5 +1,6 @@
 //! OBJ files: text, read by tobj line by clean line.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use glam::DVec3;
@@ -17,6 +18,10 @@ use crate::geometry::named_parts::{NameOf, NamedParts};
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_srgb};
 use crate::geometry::texturing::Texturing;
 use crate::geometry::{Paint, Shading, TriMesh, Watch};
+use crate::text::echo_up_to;
+
+/// A warning lists so many names at most.
+const MOST_LISTED: usize = 5;
 
 const BLACK: Tint = [0, 0, 0, 255];
 
@@ -108,6 +113,7 @@ fn of_materials(
     if parts.places(NameOf::Material).all(|place| place.is_none()) {
         return Ok((Vec::new(), None));
     }
+    warnings.extend(undefined_warning(parts, materials));
     let of_name = |place: u32| materials.get(&parts.names()[place as usize]);
     let of_labels: Vec<Option<&Material>> =
         parts.places(NameOf::Material).map(|place| place.and_then(of_name)).collect();
@@ -123,6 +129,20 @@ fn of_materials(
     };
     let tints = (0..parts.count()).map(tint).collect();
     Ok((tints, texturing))
+}
+
+/// Lists the materials of faces that no material file defines. Missing files have warnings of their own.
+fn undefined_warning(parts: &NamedParts, materials: &Materials) -> Option<String> {
+    let named: BTreeSet<&String> =
+        parts.places(NameOf::Material).flatten().map(|place| &parts.names()[place as usize]).collect();
+    let undefined: Vec<&String> = named.into_iter().filter(|name| !materials.contains_key(*name)).collect();
+    if materials.is_empty() || undefined.is_empty() {
+        return None;
+    }
+    let listed: Vec<String> = undefined.iter().take(MOST_LISTED).map(|name| echo_up_to(name, 60)).collect();
+    let more = undefined.len() - listed.len();
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    Some(format!("no colours for what no material file defines: {}{more}", listed.join(", ")))
 }
 
 /// Adds the polygons of one model of the file, as triangles, and calls `added` with each polygon's number of corners and its

@@ -115,6 +115,9 @@ fn materials_beside_an_obj_file_colour_its_faces() {
     assert_eq!(names, ["t.obj", "a b.mtl", "c.mtl"].map(|name| Some(name.into())), "they belong to the model");
     write("d.mtl", "newmtl Red Rubber #25\nKd 0 0 1\n");
     assert_eq!(tints(&model("mtllib c.mtl d.mtl")), [[0, 0, 255, 255]; 4], "several in a line");
+    let undefined = model("mtllib c.mtl\nusemtl other\nf 1 2 3\nusemtl thing\nf 1 2 3");
+    let said = "no colours for what no material file defines: Red Rubber #25, thing";
+    assert_eq!(undefined.warnings, [said], "of those that faces have");
     for (lines, why) in [
         ("mtllib gone.mtl", "no colours from the materials in gone.mtl: there is no such file"),
         (
