@@ -25,7 +25,7 @@ const TASK: &str = "GELATIN_FUZZ_TASK";
 const PLACE: &str = "GELATIN_FUZZ_PLACE";
 
 /// A case that failed.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 #[expect(dead_code, reason = "read in the message of a failed test")]
 pub(crate) struct Fault {
     pub(crate) target: Target,
