@@ -384,8 +384,11 @@ impl Subject {
         let mut cube = scene.clone();
         cube.bodies = vec![self.scene.bodies.swap_remove(0)];
         cube.bodies[0].shape = Shape::Cube(CubeShape { cells: STAND_IN_CELLS, size });
-        (cube.bodies[0].pins, cube.bodies[0].inlays) = (Vec::new(), Vec::new());
-        cube.bodies[0].parts.clear();
+        let Body { pins, pinned_cells, inlays, parts, .. } = &mut cube.bodies[0];
+        pins.clear();
+        pinned_cells.clear();
+        inlays.clear();
+        parts.clear();
         let opened = Opened::without_file(cube.clone(), String::new(), std::path::PathBuf::new());
         let lattice = opened.lattices(&())?.swap_remove(0);
         Ok(Self { stand_in: Some(STAND_IN_CELLS), ..Self::new(&cube, 0, lattice) })
