@@ -240,7 +240,6 @@ pub fn resolve<'a>(
 
 /// Fills a shape with cells.
 pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn Watch) -> Result<Filled, ResolveError> {
-    // Every filled cell has at most eight particles of its own, so that this is no refusal of a body that fits.
     let cells = match shape {
         Shape::Cube(cube) => Cells::cube(cube.cells, cube.size / f64::from(cube.cells.max(1)))?,
         Shape::Cells(cells) => Cells::from_list(&cells.list, cells.size)?,

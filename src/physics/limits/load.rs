@@ -34,7 +34,7 @@ pub(super) enum Region {
     /// stiffness mix.
     HalfDisc(f64),
     /// A disc that touches 0, which holds every vibration whose ratio of stiffness to damping is small enough, and the
-    /// negative axis as far as the most stages reach ([`super::stabilised`]).
+    /// negative axis as far as the most stages reach ([`crate::physics::schemes::stabilised`]).
     DiscAndAxis,
     /// Everything: links are part of the equations that are solved.
     Everywhere,
