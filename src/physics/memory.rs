@@ -1,7 +1,8 @@
 //! Predicts the memory of a simulation before it is made, from counts of particles, links and cells.
 
 use super::contact::{
-    BYTES_A_PARTICLE_AND_MESH, BYTES_A_POINT, BodyContact, ContactConstraint, ContactRecord, MET_AT_ONCE, SampleContact,
+    BYTES_A_PARTICLE_AND_MESH, BYTES_A_POINT, BodyContact, ContactConstraint, ContactRecord,
+    SURFACE_PARTICLES_A_CONTACT, SampleContact,
 };
 use super::model::Link;
 use super::state::press::Press;
@@ -98,6 +99,6 @@ fn of_motion(body: &LatticeCounts, size: Size) -> usize {
         + boxed * BYTES_A_CORNER
         + 2 * body.cells * size_of::<u32>()
         + pairs * (size_of::<ContactRecord<f32>>() + constraint)
-        + body.surface * size.obstacles.min(1) / MET_AT_ONCE * size_of::<ContactRecord<f32>>()
+        + body.surface * size.obstacles.min(1) / SURFACE_PARTICLES_A_CONTACT * size_of::<ContactRecord<f32>>()
         + of_stages
 }

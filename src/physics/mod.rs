@@ -41,7 +41,7 @@
 //!     is_sound        unless all numbers are finite, the state stays the last good one and the report says so
 //!     accept          x += dt u, v = v'; before it, sides and recovery are settled; after it, sleep and fallen bodies
 //!     modes           modal bodies over the same part
-//!     pass            moves approaching and swept obstacles on by the part
+//!     advance         moves approaching and swept obstacles on by the part
 //!   StepReport        sums over substeps, and what held at the end of the last
 //! ```
 //!

@@ -317,10 +317,10 @@ impl<R: Real> Simulation<R> {
         step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut recorder);
         self.workspace.contact.contacts = found.contact.contacts;
         self.workspace.contact.bodies.contacts = found.contact.bodies.contacts;
-        self.workspace.contact.bodies.keep_of_sleepers(&self.model, &self.plan, &self.state);
+        self.workspace.contact.bodies.keep_sleeping_contacts(&self.model, &self.plan, &self.state);
         self.workspace.contact.samples.contacts = found.contact.samples.contacts;
-        self.workspace.contact.samples.keep_of_sleepers(&self.state);
-        self.workspace.contact.keep_of_sleepers(&self.model, &self.state);
+        self.workspace.contact.samples.keep_sleeping_contacts(&self.state);
+        self.workspace.contact.keep_sleeping_contacts(&self.model, &self.state);
         // Steps that are only counted, within a longer substep, report this again.
         self.workspace.contact.report_kept(&mut recorder);
         self.last = LastSubstep { bodies_asleep: self.bodies_asleep(), ..recorder.last };
@@ -360,7 +360,7 @@ impl<R: Real> Simulation<R> {
 
     /// The pairs of bodies that pushed each other at any time within the last substep.
     pub fn met(&self) -> &[[usize; 2]] {
-        &self.workspace.contact.bodies.met
+        &self.workspace.contact.bodies.pushed_pairs
     }
 
     /// Energies, momentum, extremes.

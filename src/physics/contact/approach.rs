@@ -23,15 +23,15 @@ impl Approach {
 }
 
 /// Returns an obstacle where the body of an approach meets it in the next `secs`.
-pub(super) fn met<R: Real>(
+pub(super) fn displaced<R: Real>(
     approach: &Approach,
     model: &Model<R>,
     obstacle: &ObstacleModel<R>,
     secs: f64,
 ) -> ObstacleModel<R> {
-    let (_, way) = approach.next(&model.bodies[approach.body], secs);
+    let (_, distance_m) = approach.next(&model.bodies[approach.body], secs);
     let before = approach.way * -approach.left_m;
-    let after = approach.way * (way - approach.left_m);
+    let after = approach.way * (distance_m - approach.left_m);
     moved(obstacle, before, after, secs > 0.0)
 }
 

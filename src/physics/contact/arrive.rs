@@ -13,15 +13,15 @@
 //!
 //! The obstacle takes the shortest way; a way down counts four times, as there may be a floor. A plane that carries a body
 //! goes on carrying it. The obstacle speeds up and slows down by no more than `ACCELERATION`, and waits as long as it would
-//! have to press harder than `PRESS`: a body that cannot get out is left alone. All of this follows from the state, so
-//! that a saved motion resumes bit for bit.
+//! have to press harder than `MAX_PRESS_IN_WEIGHTS`: a body that cannot get out is left alone. All of this follows from the
+//! state, so that a saved motion resumes bit for bit.
 
 use glam::DVec3;
 
 use super::approach::ACCELERATION;
 use super::placed::Placed;
 use super::record::ContactRecord;
-use super::way_out::{MeetingPoints, Memory, WayOut, way_out};
+use super::way_out::{MeetingPoints, PriorContact, WayOut, way_out};
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Plan;
@@ -31,10 +31,10 @@ use crate::physics::state::moving::Approach;
 
 /// An obstacle presses a body with at most this many times the body's weight. Where gravity is weaker than `ACCELERATION`,
 /// the weight is taken with that.
-const PRESS: f64 = 3.0;
+const MAX_PRESS_IN_WEIGHTS: f64 = 3.0;
 
 /// An obstacle that waits goes on when the press falls to this share of that.
-const RELEASE: f64 = 0.5;
+const RELEASE_SHARE: f64 = 0.5;
 
 /// Begins approaches after `state` was fitted to the obstacles of `new`: obstacles that suddenly are elsewhere than in `old`
 /// come gently to the bodies they would be inside of. Those that sweep get there without an approach. `kept` names, for each
@@ -57,15 +57,22 @@ pub(in crate::physics) fn begin<R: Real>(
                 state.approaches.extend(before.map(|approach| Approach { obstacle, ..*approach }));
                 continue;
             }
-            let met = was.map(|was| &old.met(number, was).shape);
-            let way = before.map(|approach| approach.way);
+            let met = was.map(|was| &old.for_body(number, was).shape);
+            let direction = before.map(|approach| approach.way);
             let touches = &state.touches;
-            let memory = Memory { shape: met, obstacle: was.unwrap_or(obstacle), sides, touches, way };
-            let out = way_out(&MeetingPoints::new(new, plan, number, &state.position), shape, &memory);
-            if let Some(WayOut { way, length_m }) = out {
-                let speed = before.map_or(0.0, |approach| approach.speed * approach.way.dot(way).max(0.0));
-                state.approaches.push(Approach { body: number, obstacle, way, left_m: length_m, speed, waits: false });
-                keep_side(body, shape, way, &memory, &mut state.side);
+            let prior = PriorContact { shape: met, obstacle: was.unwrap_or(obstacle), sides, touches, direction };
+            let out = way_out(&MeetingPoints::new(new, plan, number, &state.position), shape, &prior);
+            if let Some(WayOut { direction, length_m }) = out {
+                let speed = before.map_or(0.0, |approach| approach.speed * approach.way.dot(direction).max(0.0));
+                state.approaches.push(Approach {
+                    body: number,
+                    obstacle,
+                    way: direction,
+                    left_m: length_m,
+                    speed,
+                    waits: false,
+                });
+                keep_side(body, shape, direction, &prior, &mut state.side);
             }
         }
     }
@@ -101,8 +108,15 @@ pub(in crate::physics) fn begin_for<R: Real>(
     }
     let points = MeetingPoints::new(model, plan, number, &state.position);
     for (obstacle, ObstacleModel { shape, .. }) in obstacles.iter().enumerate() {
-        if let Some(WayOut { way, length_m }) = way_out(&points, shape, &Memory::none()) {
-            state.approaches.push(Approach { body: number, obstacle, way, left_m: length_m, speed: 0.0, waits: false });
+        if let Some(WayOut { direction, length_m }) = way_out(&points, shape, &PriorContact::none()) {
+            state.approaches.push(Approach {
+                body: number,
+                obstacle,
+                way: direction,
+                left_m: length_m,
+                speed: 0.0,
+                waits: false,
+            });
         }
     }
     state.approaches.sort_by_key(|approach| (approach.body, approach.obstacle));
@@ -113,20 +127,20 @@ pub(in crate::physics) fn begin_for<R: Real>(
 fn keep_side<R: Real>(
     body: &BodyModel<R>,
     shape: &ObstacleShape<R>,
-    way: DVec3,
-    memory: &Memory<'_, R>,
+    direction: DVec3,
+    prior: &PriorContact<'_, R>,
     side: &mut [Vec<i8>],
 ) {
     let ObstacleShape::Plane(plane) = shape else { return };
-    let touched = |particle: usize| memory.touched(particle).is_some_and(|side| side.dot(way) > 0.0);
-    let kept = if plane.normal.to_dvec3().dot(way) > 0.0 { 1 } else { -1 };
+    let touched = |particle: usize| prior.touched(particle).is_some_and(|side| side.dot(direction) > 0.0);
+    let kept = if plane.normal.to_dvec3().dot(direction) > 0.0 { 1 } else { -1 };
     for particle in body.particles.clone() {
         side[plane.side_row][particle] = if touched(particle) { kept } else { 0 };
     }
 }
 
 /// Advances the approaches by `secs`. An obstacle waits if the contacts found in that time press too hard.
-pub(in crate::physics) fn pass<R: Real>(
+pub(in crate::physics) fn advance<R: Real>(
     model: &Model<R>,
     workspace: &ContactWorkspace<R>,
     secs: f64,
@@ -134,8 +148,8 @@ pub(in crate::physics) fn pass<R: Real>(
 ) {
     for approach in &mut state.approaches {
         let body = &model.bodies[approach.body];
-        let (speed, way) = approach.next(body, secs);
-        approach.left_m -= way;
+        let (speed, distance_m) = approach.next(body, secs);
+        approach.left_m -= distance_m;
         let own = |contact: &&ContactRecord<R>| {
             contact.obstacle == approach.obstacle && body.particles.contains(&contact.particle)
         };
@@ -146,7 +160,7 @@ pub(in crate::physics) fn pass<R: Real>(
         let press = press + on_mesh.map(|c| c.force.dot(c.normal).max(0.0)).sum::<f64>();
         let mass = body.particle_mass.to_f64() * body.particles.len() as f64;
         let weight = mass * (ACCELERATION * body.size.to_f64()).max(model.gravity.length().to_f64());
-        approach.waits = press > PRESS * weight * if approach.waits { RELEASE } else { 1.0 };
+        approach.waits = press > MAX_PRESS_IN_WEIGHTS * weight * if approach.waits { RELEASE_SHARE } else { 1.0 };
         approach.speed = if approach.waits { 0.0 } else { speed };
     }
     state.approaches.retain(|approach| approach.left_m > 0.0);

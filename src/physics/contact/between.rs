@@ -8,13 +8,13 @@ use crate::math::{Real, Vector};
 use crate::physics::model::ContactModel;
 
 /// Rounds in which a velocity is looked for; then the particle stops dead, or rides along with an obstacle that moves.
-const ROUNDS: usize = 4;
+const MAX_ROUNDS: usize = 4;
 
 impl<R: Real> Candidate<'_, R> {
     /// Whether the particle and its springs would end with more energy at this velocity than they began with at the
     /// `predicted` one; false where an obstacle moves. Where the depth limit of one obstacle leads into a stiff other one,
     /// no velocity is a minimum of the springs' energy; standing still gives neither particle nor springs any more.
-    pub(super) fn gains(
+    pub(super) fn gains_energy(
         &mut self,
         predicted: R::Vec3,
         velocity: R::Vec3,
@@ -40,16 +40,16 @@ impl<R: Real> Candidate<'_, R> {
     /// the particle stands still if all obstacles do, else it rides along with one that moves.
     pub(super) fn allowed_by_all(&mut self, mut velocity: R::Vec3, contacts: &[ContactModel<R>]) -> R::Vec3 {
         let mut riding = R::Vec3::ZERO;
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let mut forbidden = false;
             for (obstacle, contact) in contacts.iter().enumerate() {
                 let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
-                let slowest = response::deepest_velocity(&surface, contact, self.substep.dt);
+                let min_normal_velocity = response::min_normal_velocity(&surface, contact, self.substep.dt);
                 let along = (velocity - surface_velocity).dot(surface.normal);
                 // The tolerance is for rounding error: a corrected velocity must not count as forbidden again.
-                let speeds = along.abs() + slowest.abs() + surface_velocity.length();
-                if along < slowest - R::from_f64(1e-6) * speeds {
-                    velocity += surface.normal * (slowest - along);
+                let speeds = along.abs() + min_normal_velocity.abs() + surface_velocity.length();
+                if along < min_normal_velocity - R::from_f64(1e-6) * speeds {
+                    velocity += surface.normal * (min_normal_velocity - along);
                     if surface_velocity != R::Vec3::ZERO {
                         riding = surface_velocity;
                     }
@@ -69,7 +69,7 @@ impl<R: Real> Candidate<'_, R> {
     /// A moving obstacle carries the particle along. The energy that particle and springs have beyond what they `had`, J,
     /// comes from that obstacle, as one that stands still does no work. So where its push does less work than that, it
     /// presses the particle harder against an obstacle that stands still.
-    pub(super) fn share_out(
+    pub(super) fn distribute_force(
         &self,
         had: R,
         [velocity, allowed]: [R::Vec3; 2],

@@ -6,8 +6,8 @@
 
 use std::ops::Range;
 
-use super::far::{FEW, Far, Few};
-use super::narrow::mesh::{Known, rounding_margin};
+use super::distance_cache::{BATCH_SIZE, DistanceCache, ParticleBatch};
+use super::narrow::mesh::{NearestPointCache, rounding_margin};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::kernels::{GROUP, motion_bounds};
 use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
@@ -17,7 +17,7 @@ use crate::physics::team;
 
 /// Result of the broad phase for one body.
 #[derive(Clone, Debug)]
-pub(super) struct Near<R: Real> {
+pub(super) struct BroadPhase<R: Real> {
     /// The obstacles that the body's motion in this substep may meet, ascending.
     pub(super) obstacles: Vec<u32>,
     /// The boxes around the motion of each group of its particles.
@@ -30,26 +30,26 @@ pub(super) struct Near<R: Real> {
     meshes: Vec<u32>,
     meets_more_than_meshes: bool,
     /// Known distances of the particles from meshes.
-    far: Far<R>,
+    distances: DistanceCache<R>,
 }
 
-impl<R: Real> Near<R> {
+impl<R: Real> BroadPhase<R> {
     /// Makes room for a body of this many particles.
     pub(super) fn new(model: &Model<R>, particles: usize) -> Self {
         Self {
             obstacles: Vec::with_capacity(model.obstacles.len()),
             groups: Vec::with_capacity(particles.div_ceil(GROUP)),
             reach: R::ZERO,
-            particles: Vec::with_capacity(particles.div_ceil(FEW)),
+            particles: Vec::with_capacity(particles.div_ceil(BATCH_SIZE)),
             meshes: Vec::with_capacity(model.mesh_count()),
             meets_more_than_meshes: false,
-            far: Far::new(particles, model.mesh_count()),
+            distances: DistanceCache::new(particles, model.mesh_count()),
         }
     }
 
     /// Finds the obstacles within `reach` (m) of the body `number`, whose particles move with these velocities. `touches` tells
     /// whether an obstacle counts as near without a test of boxes.
-    pub(super) fn find(
+    pub(super) fn find_obstacles(
         &mut self,
         Substep { model, plan, state, obstacles, dt, .. }: Substep<'_, R>,
         number: usize,
@@ -60,7 +60,7 @@ impl<R: Real> Near<R> {
         self.obstacles.clear();
         self.reach = reach;
         let body = &model.bodies[number];
-        let all = (0u32..).zip((0..model.obstacles.len()).map(|obstacle| obstacles.met(number, obstacle)));
+        let all = (0u32..).zip((0..model.obstacles.len()).map(|obstacle| obstacles.for_body(number, obstacle)));
         if !plan.broad_phase {
             self.obstacles.extend(all.map(|(number, _)| number));
             return;
@@ -83,14 +83,14 @@ impl<R: Real> Near<R> {
     }
 
     /// Finds the particles that may meet one of these obstacles. Takes the groups that touch one or whose motion comes near one,
-    /// and of them each few that do so themselves and are not known to be far from meshes. `known` holds the cached search
+    /// and of them each few that do so themselves and are not known to be far from meshes. `caches` holds the cached search
     /// results of the body's particles.
     pub(super) fn find_particles(
         &mut self,
         substep: Substep<'_, R>,
         number: usize,
         velocity: &[R::Vec3],
-        known: &[Known],
+        caches: &[NearestPointCache],
     ) {
         let own = substep.model.bodies[number].particles.clone();
         let position = &substep.state.position[own.clone()];
@@ -102,42 +102,42 @@ impl<R: Real> Near<R> {
                 continue;
             }
             self.find_near_meshes(substep, number, group);
-            for first in all.clone().step_by(FEW) {
-                let few = first..all.end.min(first + FEW);
+            for first in all.clone().step_by(BATCH_SIZE) {
+                let batch = first..all.end.min(first + BATCH_SIZE);
                 if self.meets_more_than_meshes {
                     // A group holds particles of many layers, of which only one touches the ground.
-                    if self.are_near(substep, number, few.clone(), velocity) {
-                        self.particles.push(few);
+                    if self.is_batch_near(substep, number, batch.clone(), velocity) {
+                        self.particles.push(batch);
                     }
                     continue;
                 }
                 let Substep { state, dt: secs, .. } = substep;
-                let these = own.start + few.start..own.start + few.end;
-                let of_all = Few { these: few.clone(), position, velocity, secs };
-                let Self { meshes, far, reach, .. } = self;
+                let these = own.start + batch.start..own.start + batch.end;
+                let particle_batch = ParticleBatch { range: batch.clone(), position, velocity, secs };
+                let Self { meshes, distances, reach, .. } = self;
                 let is_near = |near: &u32| {
-                    let shape = &substep.obstacles.met(number, *near as usize).shape;
+                    let shape = &substep.obstacles.for_body(number, *near as usize).shape;
                     let ObstacleShape::Mesh(mesh) = shape else { return true };
-                    touches(shape, state, these.clone()) || !far.is_far(&of_all, mesh, *reach, known)
+                    touches(shape, state, these.clone()) || !distances.is_far(&particle_batch, mesh, *reach, caches)
                 };
                 if meshes.iter().any(is_near) {
-                    self.particles.push(few);
+                    self.particles.push(batch);
                 }
             }
         }
     }
 
     /// Whether the motion of any of a few particles of the body comes near one of the obstacles, or any touches one.
-    fn are_near(&self, substep: Substep<'_, R>, number: usize, few: Range<usize>, velocity: &[R::Vec3]) -> bool {
+    fn is_batch_near(&self, substep: Substep<'_, R>, number: usize, batch: Range<usize>, velocity: &[R::Vec3]) -> bool {
         let Substep { model, state, obstacles, dt, .. } = substep;
         let start = model.bodies[number].particles.start;
-        let these = start + few.start..start + few.end;
+        let these = start + batch.start..start + batch.end;
         self.obstacles.iter().any(|near| {
-            let obstacle = obstacles.met(number, *near as usize);
+            let obstacle = obstacles.for_body(number, *near as usize);
             let bounds = obstacle.bounds.grown(self.reach);
-            let motions = state.position[these.clone()].iter().zip(&velocity[few.clone()]);
+            let motions = state.position[these.clone()].iter().zip(&velocity[batch.clone()]);
             touches(&obstacle.shape, state, these.clone())
-                || motions.into_iter().any(|(from, velocity)| sweep::<R>(*from, *velocity * dt).overlaps(&bounds))
+                || motions.into_iter().any(|(from, velocity)| path_bounds::<R>(*from, *velocity * dt).overlaps(&bounds))
         })
     }
 
@@ -147,11 +147,11 @@ impl<R: Real> Near<R> {
         self.meets_more_than_meshes = false;
         for place in 0..self.obstacles.len() {
             let near = self.obstacles[place];
-            if self.meets_more_than_meshes || !self.is_near(substep, number, group, near) {
+            if self.meets_more_than_meshes || !self.is_group_near(substep, number, group, near) {
                 continue;
             }
             // A mesh that moves comes towards the particles.
-            let ObstacleModel { shape, carry, .. } = substep.obstacles.met(number, near as usize);
+            let ObstacleModel { shape, carry, .. } = substep.obstacles.for_body(number, near as usize);
             if matches!(shape, ObstacleShape::Mesh(_)) && carry.is_none() {
                 self.meshes.push(near);
             } else {
@@ -160,8 +160,8 @@ impl<R: Real> Near<R> {
         }
     }
 
-    fn is_near(&self, substep: Substep<'_, R>, number: usize, group: usize, near: u32) -> bool {
-        let obstacle = substep.obstacles.met(number, near as usize);
+    fn is_group_near(&self, substep: Substep<'_, R>, number: usize, group: usize, near: u32) -> bool {
+        let obstacle = substep.obstacles.for_body(number, near as usize);
         if self.groups[group].overlaps(&obstacle.bounds.grown(self.reach)) && self.may_reach(obstacle, group) {
             return true;
         }
@@ -189,7 +189,7 @@ fn touches<R: Real>(shape: &ObstacleShape<R>, state: &State<R>, particles: Range
 
 /// The box around one particle's motion.
 #[inline]
-pub(super) fn sweep<R: Real>(from: R::Vec3, path: R::Vec3) -> Aabb<R> {
+pub(super) fn path_bounds<R: Real>(from: R::Vec3, path: R::Vec3) -> Aabb<R> {
     let to = from + path;
     Aabb { min: from.min(to), max: from.max(to) }
 }

@@ -4,12 +4,12 @@
 use super::account;
 use super::broad;
 use super::gauss_seidel;
-use super::narrow::mesh::Known;
+use super::narrow::mesh::NearestPointCache;
 use super::record::ContactRecord;
 use super::response::{self, Friction};
 use super::surface::Surface;
-use super::swept::Swept;
-use super::workspace::{ContactWorkspace, ObstaclesWorkspace, Tests};
+use super::swept_point::SweptPoint;
+use super::workspace::{ContactWorkspace, ObstaclesWorkspace, TestCounts};
 use crate::math::{Real, Vector};
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Stage;
@@ -25,7 +25,7 @@ pub(in crate::physics) fn respond<R: Real>(
     workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    workspace.keep_of_sleepers(substep.model, substep.state);
+    workspace.keep_sleeping_contacts(substep.model, substep.state);
     Candidates { substep, workspace, recorder }.resolve_all(velocity);
 }
 
@@ -84,7 +84,7 @@ impl<R: Real> Candidates<'_, '_, R> {
         self.workspace.sort();
         let Self { substep, workspace, recorder } = self;
         let (substep, Substep { model, plan, state, .. }) = (*substep, *substep);
-        let ContactWorkspace { of_bodies, contacts, touching, .. } = &mut **workspace;
+        let ContactWorkspace { of_bodies, contacts, marked_near, .. } = &mut **workspace;
         let meets = |number: usize| !state.bodies[number].asleep && !substep.meets_on_mesh(number);
         if plan.broad_phase {
             recorder.enter(Stage::BroadPhase);
@@ -92,18 +92,20 @@ impl<R: Real> Candidates<'_, '_, R> {
         let (obstacles, before) = (model.obstacles.len(), &*velocity);
         team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (&mut of_bodies[..], ()), |these, workspaces, ()| {
             for (number, workspace) in these.zip(workspaces) {
-                workspace.tests = Tests::default();
-                workspace.near.obstacles.clear();
+                workspace.tests = TestCounts::default();
+                workspace.broad_phase.obstacles.clear();
                 if meets(number) {
-                    let touching = &touching[number * obstacles..][..obstacles];
+                    let marked_near = &marked_near[number * obstacles..][..obstacles];
                     let own = &before[model.bodies[number].particles.clone()];
-                    workspace.near.find(substep, number, own, R::ZERO, |obstacle| touching[obstacle]);
+                    workspace
+                        .broad_phase
+                        .find_obstacles(substep, number, own, R::ZERO, |obstacle| marked_near[obstacle]);
                 }
             }
         });
-        if of_bodies.iter().any(|workspace| !workspace.near.obstacles.is_empty()) {
+        if of_bodies.iter().any(|workspace| !workspace.broad_phase.obstacles.is_empty()) {
             recorder.enter(Stage::Contact);
-            let met = &*contacts;
+            let earlier_contacts = &*contacts;
             let to = (&mut of_bodies[..], (velocity, other));
             team::side_by_side(
                 plan.threads,
@@ -116,49 +118,56 @@ impl<R: Real> Candidates<'_, '_, R> {
                         let own = &model.bodies[number].particles;
                         let own = own.start - first..own.end - first;
                         let other = other.as_deref_mut().map(|other| &mut other[own.clone()]);
-                        resolve_body(substep, number, workspace, met, (&mut velocity[own], other), &changed);
+                        resolve_body(
+                            substep,
+                            number,
+                            workspace,
+                            earlier_contacts,
+                            (&mut velocity[own], other),
+                            &changed,
+                        );
                     }
                 },
             );
         }
         for (number, workspace) in of_bodies.iter_mut().enumerate().filter(|(number, _)| meets(*number)) {
-            contacts.append(&mut workspace.found);
+            contacts.append(&mut workspace.found_contacts);
             workspace.tests.count(&mut recorder.counters);
             let all_tests = (model.bodies[number].particles.len() * obstacles) as u64;
             recorder.counters.narrow_tests_saved += all_tests.saturating_sub(workspace.tests.all);
         }
         workspace.sort();
-        recorder.last.contacts = workspace.pushing();
+        recorder.last.contacts = workspace.pushing_count();
     }
 }
 
-/// Resolves the velocities of one body's particles that are near obstacles, except those in `met`. Calls `changed` with the
-/// other velocity of each particle.
+/// Resolves the velocities of one body's particles that are near obstacles, except those in `earlier_contacts`. Calls `changed`
+/// with the other velocity of each particle.
 fn resolve_body<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
     workspace: &mut ObstaclesWorkspace<R>,
-    met: &[ContactRecord<R>],
+    earlier_contacts: &[ContactRecord<R>],
     (velocity, mut other): (&mut [R::Vec3], Option<&mut [R::Vec3]>),
     changed: &impl Fn(&mut R::Vec3, R::Vec3, R::Vec3),
 ) {
-    if workspace.near.obstacles.is_empty() {
+    if workspace.broad_phase.obstacles.is_empty() {
         return;
     }
     let (body, meshes) = (&substep.model.bodies[number], substep.model.mesh_count());
-    workspace.near.find_particles(substep, number, velocity, &workspace.known);
-    let ObstaclesWorkspace { near, known, found, tests } = workspace;
-    for local in near.particles.iter().cloned().flatten() {
+    workspace.broad_phase.find_particles(substep, number, velocity, &workspace.caches);
+    let ObstaclesWorkspace { broad_phase, caches, found_contacts, tests } = workspace;
+    for local in broad_phase.particles.iter().cloned().flatten() {
         let particle = body.particles.start + local;
         // The contacts are in the order of the particles.
-        let has_met = || met.binary_search_by_key(&particle, |contact| contact.particle).is_ok();
+        let has_met = || earlier_contacts.binary_search_by_key(&particle, |contact| contact.particle).is_ok();
         if body.is_pinned(local) || has_met() {
             continue;
         }
-        let mut candidate = Candidate::new(substep, number, particle, &mut known[local * meshes..][..meshes]);
+        let mut candidate = Candidate::new(substep, number, particle, &mut caches[local * meshes..][..meshes]);
         let before = velocity[local];
         let inertia = substep.inertia(number, local);
-        velocity[local] = candidate.resolve(before, inertia, &body.contacts, &near.obstacles, found);
+        velocity[local] = candidate.resolve(before, inertia, &body.contacts, &broad_phase.obstacles, found_contacts);
         if let Some(other) = &mut other {
             changed(&mut other[local], before, velocity[local]);
         }
@@ -173,14 +182,19 @@ pub(super) struct Candidate<'a, R: Real> {
     pub(super) body: usize,
     pub(super) particle: usize,
     /// Cached search results of this particle, by mesh.
-    known: &'a mut [Known],
-    pub(super) tests: Tests,
+    caches: &'a mut [NearestPointCache],
+    pub(super) tests: TestCounts,
 }
 
 impl<'a, R: Real> Candidate<'a, R> {
-    /// `known` holds the cached search results of the particle, by mesh.
-    pub(super) fn new(substep: Substep<'a, R>, body: usize, particle: usize, known: &'a mut [Known]) -> Self {
-        Self { substep, body, particle, known, tests: Tests::default() }
+    /// `caches` holds the cached search results of the particle, by mesh.
+    pub(super) fn new(
+        substep: Substep<'a, R>,
+        body: usize,
+        particle: usize,
+        caches: &'a mut [NearestPointCache],
+    ) -> Self {
+        Self { substep, body, particle, caches, tests: TestCounts::default() }
     }
 
     /// Returns the velocity that the obstacles leave this particle, and records the obstacles that it meets.
@@ -196,9 +210,9 @@ impl<'a, R: Real> Candidate<'a, R> {
         let first_record = records.len();
         let mut is_pinched = false;
         loop {
-            let known = records.len();
-            velocity = self.meet(velocity, mass, contacts, near, first_record, records);
-            if records.len() == known {
+            let records_before = records.len();
+            velocity = self.apply_obstacles(velocity, mass, contacts, near, first_record, records);
+            if records.len() == records_before {
                 break;
             }
             if records.len() > first_record + 1 {
@@ -214,11 +228,11 @@ impl<'a, R: Real> Candidate<'a, R> {
         if records.len() > first_record {
             let mut allowed = if is_pinched { R::Vec3::ZERO } else { self.allowed_by_all(velocity, contacts) };
             let among_several = records.len() > first_record + 1 || allowed != velocity;
-            if among_several && self.gains(predicted, allowed, mass, contacts) {
+            if among_several && self.gains_energy(predicted, allowed, mass, contacts) {
                 allowed = R::Vec3::ZERO;
             }
             if allowed != velocity {
-                self.note_led_into(allowed, contacts.len(), first_record, records);
+                self.record_further_contacts(allowed, contacts.len(), first_record, records);
                 let (dt, found) = (self.substep.dt, &mut records[first_record..]);
                 // The least of three energies: with the predicted velocity, with the velocity at the start, which lacks
                 // what forces are about to give a held particle, and after the springs, which take some of it.
@@ -226,7 +240,7 @@ impl<'a, R: Real> Candidate<'a, R> {
                     .map(|velocity| account::energy(velocity, R::ZERO, mass, contacts, found));
                 let began = began[0].min(began[1]) + account::work(dt, found);
                 let had = began.min(account::energy(velocity, dt, mass, contacts, found));
-                self.share_out(had, [velocity, allowed], mass, contacts, found);
+                self.distribute_force(had, [velocity, allowed], mass, contacts, found);
                 velocity = allowed;
             }
         }
@@ -236,7 +250,7 @@ impl<'a, R: Real> Candidate<'a, R> {
     /// Applies every obstacle that the particle meets with this velocity and has not met before, one after the other, and
     /// records it. Returns the velocity that they leave. A push out of one obstacle may lead into the next, so the caller
     /// repeats this until nothing new is met.
-    fn meet(
+    fn apply_obstacles(
         &mut self,
         mut velocity: R::Vec3,
         mass: R,
@@ -253,16 +267,18 @@ impl<'a, R: Real> Candidate<'a, R> {
             }
             let Some((surface, surface_velocity)) = self.surface(obstacle, velocity) else { continue };
             let before = velocity;
-            let rubs = !self.substep.plan.lean || response::has_friction(&self.substep.model.obstacles[obstacle]);
-            let friction = if rubs { Friction::Coulomb } else { Friction::Without };
+            let computes_friction =
+                !self.substep.plan.lean || response::has_friction(&self.substep.model.obstacles[obstacle]);
+            let friction = if computes_friction { Friction::Coulomb } else { Friction::Without };
             let (contact, obstacle_met) = (&contacts[obstacle], &self.substep.model.obstacles[obstacle]);
-            let past = velocity - surface_velocity;
-            let after = response::respond(&surface, contact, obstacle_met, friction, mass, self.substep.dt, past);
+            let relative_velocity = velocity - surface_velocity;
+            let after =
+                response::respond(&surface, contact, obstacle_met, friction, mass, self.substep.dt, relative_velocity);
             // A particle that is not pushed keeps its velocity to the last bit, however fast the surface is.
-            if after != past {
+            if after != relative_velocity {
                 velocity = after + surface_velocity;
             }
-            self.tests.frictions += u64::from(rubs && velocity != before);
+            self.tests.frictions += u64::from(computes_friction && velocity != before);
             // Also where nothing pushes: a particle that leaves must keep its side until it is out.
             records.push(ContactRecord {
                 particle: self.particle,
@@ -278,7 +294,7 @@ impl<'a, R: Real> Candidate<'a, R> {
 
     /// Records obstacles that the particle meets only with the velocity that all of them `allowed`: their springs take up
     /// what the others press into them, and a plane remembers the side that the particle came from.
-    fn note_led_into(
+    fn record_further_contacts(
         &mut self,
         allowed: R::Vec3,
         obstacles: usize,
@@ -298,15 +314,15 @@ impl<'a, R: Real> Candidate<'a, R> {
 
     /// Runs the narrow phase if this particle's motion comes near the obstacle. Returns the surface and its velocity.
     pub(super) fn surface(&mut self, obstacle: usize, velocity: R::Vec3) -> Option<(Surface<R>, R::Vec3)> {
-        let met @ ObstacleModel { shape, bounds, .. } = self.substep.obstacles.met(self.body, obstacle);
+        let met @ ObstacleModel { shape, bounds, .. } = self.substep.obstacles.for_body(self.body, obstacle);
         let from = self.substep.state.position[self.particle];
         let path = velocity * self.substep.dt;
         let side = shape.side_row().map_or(0, |row| self.substep.state.side[row][self.particle]);
-        if self.substep.plan.broad_phase && side == 0 && !broad::sweep::<R>(from, path).overlaps(bounds) {
+        if self.substep.plan.broad_phase && side == 0 && !broad::path_bounds::<R>(from, path).overlaps(bounds) {
             return None;
         }
         self.tests.all += 1;
         self.tests.of_spheres += u64::from(matches!(shape, ObstacleShape::Sphere { .. }));
-        Swept { from, path, side, widest: None }.meet(met, self.substep.dt, self.known)
+        SweptPoint { from, path, side, largest_coordinates: None }.meet(met, self.substep.dt, self.caches)
     }
 }

@@ -8,7 +8,7 @@ const FRICTION_TOLERANCE: f64 = 1e-3;
 
 /// How many times stiffer the depth limit is than the particle and its links. The solution exceeds the limit by that much
 /// less than it would without it; the rest is taken away after the solve.
-const HOLD: f64 = 1e4;
+const DEPTH_LIMIT_RATIO: f64 = 1e4;
 
 /// A particle at an obstacle within one implicit substep, in double precision.
 ///
@@ -29,21 +29,21 @@ pub(in crate::physics) struct ContactConstraint {
     /// Change of the normal impulse with the normal velocity, `dt² k + dt d`, kg.
     pub(super) resistance: f64,
     /// The normal impulse on a particle that stays where it is, N·s.
-    pub(super) push: f64,
+    pub(super) impulse_at_rest: f64,
     /// The least velocity along the normal that ends the substep no deeper than the limit, or than where it began, m/s.
-    pub(super) slowest: f64,
-    /// Impulse per velocity below `slowest`, kg; zero until the resistance of the particle itself is known.
-    pub(super) hold: f64,
+    pub(super) min_normal_velocity: f64,
+    /// Impulse per velocity below `min_normal_velocity`, kg; zero until the resistance of the particle itself is known.
+    pub(super) depth_limit_resistance: f64,
     /// Coulomb's coefficient in this substep.
     pub(super) friction: f64,
     /// The creep in `r`, m/s.
-    pub(super) creep: f64,
+    pub(super) creep_speed: f64,
     /// The sliding speed up to which the particle counts as stopped, m/s.
-    pub(super) stopped: f64,
+    pub(super) stopped_speed: f64,
     /// Whether it pushes; otherwise the particle leaves.
     pub(super) pushes: bool,
     /// Whether the particle is held at the limit of its depth.
-    pub(super) is_held: bool,
+    pub(super) is_at_depth_limit: bool,
     /// The normal impulse, N·s.
     pub(super) normal_impulse: f64,
     /// λ, N·s: the impulse of friction with its sign reversed.
@@ -70,7 +70,7 @@ impl ContactConstraint {
     /// Returns the impulse by the laws of contact and friction themselves, with the present Coulomb limit, N·s.
     pub(in crate::physics) fn lawful_impulse(&self, velocity: DVec3) -> DVec3 {
         let normal = self.normal * self.normal_impulse_at(velocity);
-        if self.pushes { normal - self.coulomb(self.sliding(velocity)) } else { normal }
+        if self.pushes { normal - self.coulomb_drag(self.sliding(velocity)) } else { normal }
     }
 
     /// Whether its law makes it push at the last solution, which has no push of it: the rounds ended too early.
@@ -86,50 +86,50 @@ impl ContactConstraint {
 
     /// Makes the depth limit much stiffer than the particle itself, whose velocity changes by one over `resistance` (kg)
     /// for every N·s.
-    pub(in crate::physics) fn hold_against(&mut self, resistance: f64) {
-        self.hold = HOLD * resistance;
+    pub(in crate::physics) fn stiffen_depth_limit(&mut self, resistance: f64) {
+        self.depth_limit_resistance = DEPTH_LIMIT_RATIO * resistance;
     }
 
     /// Returns the normal impulse by the laws of contact, N·s.
     fn normal_impulse_at(&self, velocity: DVec3) -> f64 {
-        self.spring_impulse_at(velocity).max(0.0) + self.holding_impulse_at(velocity).max(0.0)
+        self.spring_impulse_at(velocity).max(0.0) + self.depth_limit_impulse_at(velocity).max(0.0)
     }
 
     fn spring_impulse_at(&self, velocity: DVec3) -> f64 {
-        self.push - self.resistance * self.departure(velocity)
+        self.impulse_at_rest - self.resistance * self.normal_velocity(velocity)
     }
 
-    fn holding_impulse_at(&self, velocity: DVec3) -> f64 {
-        self.hold * (self.slowest - self.departure(velocity))
+    fn depth_limit_impulse_at(&self, velocity: DVec3) -> f64 {
+        self.depth_limit_resistance * (self.min_normal_velocity - self.normal_velocity(velocity))
     }
 
     /// The velocity away from the surface, m/s.
-    fn departure(&self, velocity: DVec3) -> f64 {
+    fn normal_velocity(&self, velocity: DVec3) -> f64 {
         (velocity - self.surface_velocity).dot(self.normal)
     }
 
     /// Coulomb's limit, N·s.
-    pub(super) fn limit(&self) -> f64 {
+    pub(super) fn friction_limit(&self) -> f64 {
         self.friction * self.normal_impulse
     }
 
-    /// Sets up the first solve, for a particle that has `velocity` and would have `falling`. A constraint that pushes only
-    /// at `falling` has no friction yet: how hard it will push is not known.
-    pub(super) fn begin(&mut self, velocity: DVec3, falling: DVec3) {
+    /// Sets up the first solve, for a particle that has `velocity` and would have `free_velocity`. A constraint that pushes
+    /// only at `free_velocity` has no friction yet: how hard it will push is not known.
+    pub(super) fn begin(&mut self, velocity: DVec3, free_velocity: DVec3) {
         self.normal_impulse = self.normal_impulse_at(velocity);
-        self.pushes = self.normal_impulse > 0.0 || self.normal_impulse_at(falling) > 0.0;
-        self.drag = self.coulomb(self.sliding(velocity));
+        self.pushes = self.normal_impulse > 0.0 || self.normal_impulse_at(free_velocity) > 0.0;
+        self.drag = self.coulomb_drag(self.sliding(velocity));
         self.linearize(self.sliding(velocity), self.drag);
     }
 
     /// λ for a sliding velocity.
-    fn coulomb(&self, sliding: DVec3) -> DVec3 {
-        sliding * (self.limit() / self.speed(sliding))
+    fn coulomb_drag(&self, sliding: DVec3) -> DVec3 {
+        sliding * (self.friction_limit() / self.regularized_speed(sliding))
     }
 
     /// r for a sliding velocity, m/s.
-    fn speed(&self, sliding: DVec3) -> f64 {
-        (sliding.length_squared() + self.creep * self.creep).sqrt()
+    fn regularized_speed(&self, sliding: DVec3) -> f64 {
+        (sliding.length_squared() + self.creep_speed * self.creep_speed).sqrt()
     }
 
     /// Sets up the equations of the next solve, linearised about a sliding velocity and a drag.
@@ -138,34 +138,36 @@ impl ContactConstraint {
             (self.matrix, self.bias) = (DMat3::ZERO, DVec3::ZERO);
             return;
         }
-        let over = 1.0 / self.speed(sliding);
+        let over = 1.0 / self.regularized_speed(sliding);
         let (s, n) = (sliding * over, self.normal);
         let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
         let across = DMat3::from_diagonal(DVec3::ONE) - outer(n, n);
-        let braking = (across * self.limit() - (outer(drag, s) + outer(s, drag)) * 0.5) * over;
-        let hold = if self.is_held { self.hold } else { 0.0 };
-        self.matrix = outer(n, n) * (self.resistance + hold) + braking;
-        self.bias = n * (self.push + hold * self.slowest) - (drag * s.length_squared() + s * drag.dot(s)) * 0.5;
+        let braking = (across * self.friction_limit() - (outer(drag, s) + outer(s, drag)) * 0.5) * over;
+        let depth_limit_resistance = if self.is_at_depth_limit { self.depth_limit_resistance } else { 0.0 };
+        self.matrix = outer(n, n) * (self.resistance + depth_limit_resistance) + braking;
+        self.bias = n * (self.impulse_at_rest + depth_limit_resistance * self.min_normal_velocity)
+            - (drag * s.length_squared() + s * drag.dot(s)) * 0.5;
     }
 
     /// Takes over the solved velocity and linearises about it; if `carefully`, so that the next solve can only take energy
     /// out. Returns whether another solve is needed.
-    pub(in crate::physics) fn reconsider(&mut self, velocity: DVec3, carefully: bool) -> bool {
-        let (pushed, was_held) = (self.pushes, self.is_held);
+    pub(in crate::physics) fn relinearize(&mut self, velocity: DVec3, carefully: bool) -> bool {
+        let (pushed, was_at_depth_limit) = (self.pushes, self.is_at_depth_limit);
         self.impulse = self.impulse(velocity);
         let sliding = self.sliding(velocity);
         self.normal_impulse = self.normal_impulse_at(velocity);
         self.pushes = self.normal_impulse > 0.0;
-        self.is_held = self.holding_impulse_at(velocity) > 0.0;
-        let (limit, coulomb) = (self.limit(), self.coulomb(sliding));
+        self.is_at_depth_limit = self.depth_limit_impulse_at(velocity) > 0.0;
+        let (limit, coulomb) = (self.friction_limit(), self.coulomb_drag(sliding));
         self.drag = if pushed { self.normal * self.impulse.dot(self.normal) - self.impulse } else { coulomb };
         let strength = self.drag.length();
         let allowed = limit * (1.0 + FRICTION_TOLERANCE);
         let right = self.friction == 0.0
             || strength <= allowed
-                && (sliding.length() <= self.stopped || (self.drag - coulomb).length() <= FRICTION_TOLERANCE * limit);
+                && (sliding.length() <= self.stopped_speed
+                    || (self.drag - coulomb).length() <= FRICTION_TOLERANCE * limit);
         let within = if strength > limit { self.drag * (limit / strength) } else { self.drag };
         self.linearize(sliding, if carefully { DVec3::ZERO } else { within });
-        self.pushes != pushed || self.is_held != was_held || self.pushes && !right
+        self.pushes != pushed || self.is_at_depth_limit != was_at_depth_limit || self.pushes && !right
     }
 }

@@ -16,14 +16,14 @@ use crate::physics::model::{ContactModel, ObstacleModel};
 
 /// Rounds over the contacts in which static friction may hold and the pushes have to settle to rounding error. After them
 /// friction is dynamic, which does not jump between holding and sliding.
-const ROUNDS: usize = 16;
+const STATIC_FRICTION_ROUNDS: usize = 16;
 
-/// Most rounds in all, where the pushes are still changing after `ROUNDS`: each round multiplies the error by the cos² of the
-/// angle between two surfaces, so a narrow wedge needs many.
-const MOST_ROUNDS: usize = 256;
+/// Most rounds in all, where the pushes are still changing after `STATIC_FRICTION_ROUNDS`: each round multiplies the error
+/// by the cos² of the angle between two surfaces, so a narrow wedge needs many.
+const MAX_ROUNDS: usize = 256;
 
-/// After `ROUNDS` the contacts have settled where none changes by more than this share of the largest speed at hand. The
-/// predicted one is included: a particle held between obstacles has next to none.
+/// After `STATIC_FRICTION_ROUNDS` the contacts have settled where none changes by more than this share of the largest speed at
+/// hand. The predicted one is included: a particle held between obstacles has next to none.
 const SETTLED_SHARE: f64 = 1e-5;
 
 /// Returns the velocity that the contacts in `records` together leave a particle that would have `predicted`, and writes
@@ -55,18 +55,18 @@ struct Corner<'a, R: Real> {
 }
 
 impl<R: Real> Corner<'_, R> {
-    /// Goes round the contacts until they settle, with friction where it `rubs`. Returns the velocity, and writes each
+    /// Goes round the contacts until they settle, `with_friction` or without. Returns the velocity, and writes each
     /// contact's change of it, m/s, as its force; none where they do not settle.
-    fn settle(&self, rubs: bool, records: &mut [ContactRecord<R>]) -> Option<R::Vec3> {
+    fn settle(&self, with_friction: bool, records: &mut [ContactRecord<R>]) -> Option<R::Vec3> {
         let mut velocity = self.predicted;
         for record in &mut *records {
             record.force = R::Vec3::ZERO;
         }
-        for round in 0..MOST_ROUNDS {
-            let begins = round < ROUNDS;
+        for round in 0..MAX_ROUNDS {
+            let is_static_phase = round < STATIC_FRICTION_ROUNDS;
             let friction = match () {
-                () if !rubs => Friction::Without,
-                () if begins => Friction::Coulomb,
+                () if !with_friction => Friction::Without,
+                () if is_static_phase => Friction::Coulomb,
                 () => Friction::Dynamic,
             };
             let mut largest = R::ZERO;
@@ -79,7 +79,7 @@ impl<R: Real> Corner<'_, R> {
                 speeds = speeds.max(record.surface_velocity.length()).max(velocity.length());
                 record.force = change;
             }
-            let share = if begins { R::from_f64(4.0) * R::EPSILON } else { R::from_f64(SETTLED_SHARE) };
+            let share = if is_static_phase { R::from_f64(4.0) * R::EPSILON } else { R::from_f64(SETTLED_SHARE) };
             if largest <= share * speeds {
                 return Some(velocity);
             }
@@ -91,10 +91,10 @@ impl<R: Real> Corner<'_, R> {
     fn after(&self, record: &ContactRecord<R>, friction: Friction, others: R::Vec3) -> R::Vec3 {
         let surface = Surface { normal: record.normal, gap: record.gap };
         let (contact, obstacle) = (&self.contacts[record.obstacle], &self.obstacles[record.obstacle]);
-        let past = others - record.surface_velocity;
-        let after = response::respond(&surface, contact, obstacle, friction, self.mass, self.dt, past);
+        let relative_velocity = others - record.surface_velocity;
+        let after = response::respond(&surface, contact, obstacle, friction, self.mass, self.dt, relative_velocity);
         // A particle that is not pushed keeps its velocity to the last bit.
-        if after == past { others } else { after + record.surface_velocity }
+        if after == relative_velocity { others } else { after + record.surface_velocity }
     }
 }
 

@@ -10,12 +10,12 @@ use crate::physics::schemes::{ContactSpring, Held, HeldFriction, SurfaceContact}
 use crate::physics::step::substep::Substep;
 
 /// A particle whose velocity along a surface is no more than this share of the speeds it is computed from is held there.
-const STICKS: f64 = 1e-5;
+const STICKING_SHARE: f64 = 1e-5;
 
 impl<R: Real> ContactWorkspace<R> {
     /// Lists the particles that obstacles push, with the velocities that these leave them; `force` are the forces at the
     /// state, N.
-    pub(in crate::physics) fn hold(
+    pub(in crate::physics) fn list_held_particles(
         &self,
         substep: Substep<'_, R>,
         force: &[R::Vec3],
@@ -30,10 +30,10 @@ impl<R: Real> ContactWorkspace<R> {
             let Some(record) = pushing.next().filter(|_| !substep.state.bodies[number].asleep) else { continue };
             let body = &substep.model.bodies[number];
             let mass = body.mass(particle - body.particles.start);
-            let past = substep.state.velocity[particle] - record.surface_velocity;
-            let now = [past * (mass * substep.braking_rate(number)), force[particle]];
+            let relative_velocity = substep.state.velocity[particle] - record.surface_velocity;
+            let forces_now = [relative_velocity * (mass * substep.braking_rate(number)), force[particle]];
             let (contact, obstacle) = (&body.contacts[record.obstacle], &substep.model.obstacles[record.obstacle]);
-            let by_one = || touch(velocity[particle], now, record, contact, obstacle, substep.dt);
+            let by_one = || surface_contact(velocity[particle], forces_now, record, contact, obstacle, substep.dt);
             // Between several obstacles a particle does not slide.
             let touch = pushing.next().map_or_else(|| Some(by_one()), |_| None);
             let across = |of: R::Vec3| of - record.normal * of.dot(record.normal);
@@ -45,7 +45,7 @@ impl<R: Real> ContactWorkspace<R> {
 
     /// Records the contact forces as they turned out. For a held particle that is its mean force; for one that only its path
     /// led into an obstacle, the force that changed the velocity that the stages `left` into the one it has.
-    pub(in crate::physics) fn note_forces(
+    pub(in crate::physics) fn record_forces(
         &mut self,
         substep: Substep<'_, R>,
         held: &[Held<R>],
@@ -82,13 +82,13 @@ pub(in crate::physics) fn limit_depths<R: Real>(
         let Some(number) = substep.model.body_of(held.particle) else { continue };
         let body = &substep.model.bodies[number];
         let deepest = spring.depth_limit.max(-spring.gap);
-        let slowest = -(deepest + spring.gap) / substep.dt;
-        let missing = slowest - (path[held.particle] - surface_velocity).dot(normal);
+        let min_normal_velocity = -(deepest + spring.gap) / substep.dt;
+        let missing = min_normal_velocity - (path[held.particle] - surface_velocity).dot(normal);
         if missing <= R::ZERO {
             continue;
         }
         path[held.particle] += normal * missing;
-        let missing = slowest - (velocity[held.particle] - surface_velocity).dot(normal);
+        let missing = min_normal_velocity - (velocity[held.particle] - surface_velocity).dot(normal);
         let change = normal * missing.max(R::ZERO);
         velocity[held.particle] += change;
         held.push += change * body.mass(held.particle - body.particles.start);
@@ -96,10 +96,10 @@ pub(in crate::physics) fn limit_depths<R: Real>(
 }
 
 /// Returns how one surface touches a particle that it leaves this `velocity`. Static friction holds the particle if it can
-/// bear both the force that would stop it within the substep and the force on it: the two forces `now`, N.
-fn touch<R: Real>(
+/// bear both the force that would stop it within the substep and the force on it: the two forces `forces_now`, N.
+fn surface_contact<R: Real>(
     velocity: R::Vec3,
-    now: [R::Vec3; 2],
+    forces_now: [R::Vec3; 2],
     record: &ContactRecord<R>,
     contact: &ContactModel<R>,
     obstacle: &ObstacleModel<R>,
@@ -107,14 +107,17 @@ fn touch<R: Real>(
 ) -> SurfaceContact<R> {
     let &ContactRecord { normal, surface_velocity, gap, force, .. } = record;
     let across = |of: R::Vec3| of - normal * of.dot(normal);
-    let past = velocity - surface_velocity;
-    let most = obstacle.friction_static * force.dot(normal);
-    let holds = obstacle.friction_static > R::ZERO && now.iter().all(|force| across(*force).length() <= most);
+    let relative_velocity = velocity - surface_velocity;
+    let friction_limit = obstacle.friction_static * force.dot(normal);
+    let holds =
+        obstacle.friction_static > R::ZERO && forces_now.iter().all(|force| across(*force).length() <= friction_limit);
     let speeds = velocity.length() + surface_velocity.length();
-    let is_stopped = across(force) != R::Vec3::ZERO && across(past).length() <= R::from_f64(STICKS) * speeds;
-    let slowest = response::deepest_velocity(&Surface { normal, gap }, contact, dt);
+    let is_stopped =
+        across(force) != R::Vec3::ZERO && across(relative_velocity).length() <= R::from_f64(STICKING_SHARE) * speeds;
+    let min_normal_velocity = response::min_normal_velocity(&Surface { normal, gap }, contact, dt);
     let &ContactModel { stiffness, damping, depth_limit, .. } = contact;
-    let is_at_limit = past.dot(normal) <= slowest + R::from_f64(STICKS) * slowest.abs();
+    let is_at_limit =
+        relative_velocity.dot(normal) <= min_normal_velocity + R::from_f64(STICKING_SHARE) * min_normal_velocity.abs();
     SurfaceContact {
         normal,
         surface_velocity,

@@ -47,7 +47,7 @@ impl<R: Real> Placed<R> {
         }
         self.displaced.clear();
         for approach in &state.approaches {
-            let met = approach::met(approach, model, &self.obstacles[approach.obstacle], secs);
+            let met = approach::displaced(approach, model, &self.obstacles[approach.obstacle], secs);
             self.displaced.push(Displaced { body: approach.body, obstacle: approach.obstacle, met });
         }
     }
@@ -59,7 +59,7 @@ impl<R: Real> Placed<R> {
 
     /// An obstacle where a body meets it.
     #[inline]
-    pub(in crate::physics) fn met(&self, body: usize, obstacle: usize) -> &ObstacleModel<R> {
+    pub(in crate::physics) fn for_body(&self, body: usize, obstacle: usize) -> &ObstacleModel<R> {
         let here = |displaced: &&Displaced<R>| (displaced.body, displaced.obstacle) == (body, obstacle);
         self.displaced.iter().find(here).map_or(&self.obstacles[obstacle], |displaced| &displaced.met)
     }

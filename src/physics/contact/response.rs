@@ -55,11 +55,11 @@ pub(super) fn normal_velocity<R: Real>(
     let depth = (-surface.gap).min(contact.depth_limit);
     let pushed = (approach + dt * contact.stiffness * depth / mass)
         / (R::ONE + (dt * dt * contact.stiffness + dt * contact.damping) / mass);
-    pushed.max(deepest_velocity(surface, contact, dt))
+    pushed.max(min_normal_velocity(surface, contact, dt))
 }
 
 /// The least velocity along the normal that ends the step no deeper than the limit, or than where it began, m/s.
-pub(super) fn deepest_velocity<R: Real>(surface: &Surface<R>, contact: &ContactModel<R>, dt: R) -> R {
+pub(super) fn min_normal_velocity<R: Real>(surface: &Surface<R>, contact: &ContactModel<R>, dt: R) -> R {
     let deepest = contact.depth_limit.max(-surface.gap);
     -(deepest + surface.gap) / dt
 }

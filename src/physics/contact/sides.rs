@@ -10,7 +10,7 @@ use crate::physics::state::State;
 
 /// Returns the side of a plane or an open mesh on which a point is in contact with this normal: +1 or −1 along the normal of
 /// the obstacle. 0 for an obstacle that has an inside.
-pub(in crate::physics) fn met_side<R: Real>(shape: &ObstacleShape<R>, at: R::Vec3, normal: R::Vec3) -> i8 {
+pub(in crate::physics) fn contact_side<R: Real>(shape: &ObstacleShape<R>, at: R::Vec3, normal: R::Vec3) -> i8 {
     let is_upper = match shape {
         ObstacleShape::Plane(plane) => normal.dot(plane.normal) > R::ZERO,
         ObstacleShape::Mesh(mesh) if mesh.side_row.is_some() => narrow::mesh::is_upper(mesh, at, normal),
@@ -36,11 +36,11 @@ pub(in crate::physics) fn remember_sides<R: Real>(
             continue;
         }
         for (obstacle, shape) in model.obstacles.iter().map(|o| &o.shape).enumerate() {
-            let touching = &mut workspace.touching[number * model.obstacles.len() + obstacle];
-            if !*touching {
+            let marked_near = &mut workspace.marked_near[number * model.obstacles.len() + obstacle];
+            if !*marked_near {
                 continue;
             }
-            *touching = false;
+            *marked_near = false;
             if let Some(row) = shape.side_row() {
                 state.side[row][body.particles.clone()].fill(0);
             }
@@ -56,7 +56,7 @@ pub(in crate::physics) fn remember_sides<R: Real>(
         counters.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
         counters.fastest_surface_m_s = counters.fastest_surface_m_s.max(contact.surface_velocity.length().to_f64());
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
-        let shape = &obstacles.met(number, contact.obstacle).shape;
+        let shape = &obstacles.for_body(number, contact.obstacle).shape;
         let at = state.position[contact.particle];
         let (row, margin, upper) = match shape {
             ObstacleShape::Plane(plane) => {
@@ -73,7 +73,7 @@ pub(in crate::physics) fn remember_sides<R: Real>(
         };
         if depth >= -margin {
             state.side[row][contact.particle] = if upper { 1 } else { -1 };
-            workspace.touching[number * model.obstacles.len() + contact.obstacle] = true;
+            workspace.marked_near[number * model.obstacles.len() + contact.obstacle] = true;
             deepest = deepest.max(depth);
         }
     }

@@ -22,19 +22,19 @@ use crate::physics::step::substep::Substep;
 
 /// The sliding speed at which friction has 0.7 of Coulomb's strength, as a share of the body's size in a second. A held
 /// particle creeps this fast, too slowly to be seen.
-const CREEP_SHARE: f64 = 1e-9;
+const CREEP_SPEED_SHARE: f64 = 1e-9;
 
 /// A particle slower than this share of its body's size in a second counts as stopped.
-const STOPPED_SHARE: f64 = 1e-7;
+const STOPPED_SPEED_SHARE: f64 = 1e-7;
 
 /// A particle that slides by more than this share of its body's size in a second when a substep begins feels dynamic
 /// friction throughout the substep; others feel static friction.
-const STILL_SHARE: f64 = 1e-3;
+const STILL_SPEED_SHARE: f64 = 1e-3;
 
-/// Finds the constraints of a substep in which every particle would have the velocity `falling`, by particle.
-pub(in crate::physics) fn find<R: Real>(
+/// Finds the constraints of a substep in which every particle would have the velocity `free_velocity`, by particle.
+pub(in crate::physics) fn find_constraints<R: Real>(
     substep: Substep<'_, R>,
-    falling: &[R::Vec3],
+    free_velocity: &[R::Vec3],
     workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
@@ -45,26 +45,26 @@ pub(in crate::physics) fn find<R: Real>(
         if state.bodies[number].asleep || substep.meets_on_mesh(number) {
             continue;
         }
-        let touching = &workspace.touching[number * model.obstacles.len()..][..model.obstacles.len()];
+        let marked_near = &workspace.marked_near[number * model.obstacles.len()..][..model.obstacles.len()];
         recorder.enter(Stage::BroadPhase);
-        let (own, of_body) = (&falling[body.particles.clone()], &mut workspace.of_bodies[number]);
-        of_body.near.find(substep, number, own, R::ZERO, |obstacle| touching[obstacle]);
-        if of_body.near.obstacles.is_empty() {
+        let (own, of_body) = (&free_velocity[body.particles.clone()], &mut workspace.of_bodies[number]);
+        of_body.broad_phase.find_obstacles(substep, number, own, R::ZERO, |obstacle| marked_near[obstacle]);
+        if of_body.broad_phase.obstacles.is_empty() {
             continue;
         }
         recorder.enter(Stage::Contact);
-        of_body.near.find_particles(substep, number, own, &of_body.known);
-        let ObstaclesWorkspace { near, known, .. } = of_body;
-        for local in near.particles.iter().cloned().flatten() {
+        of_body.broad_phase.find_particles(substep, number, own, &of_body.caches);
+        let ObstaclesWorkspace { broad_phase, caches, .. } = of_body;
+        for local in broad_phase.particles.iter().cloned().flatten() {
             let particle = body.particles.start + local;
             if body.is_pinned(local) {
                 continue;
             }
-            let mut candidate = Candidate::new(substep, number, particle, &mut known[local * meshes..][..meshes]);
+            let mut candidate = Candidate::new(substep, number, particle, &mut caches[local * meshes..][..meshes]);
             let size = body.size.to_f64();
-            for &near in &near.obstacles {
+            for &near in &broad_phase.obstacles {
                 let obstacle = near as usize;
-                let Some((surface, surface_velocity)) = candidate.surface(obstacle, falling[particle]) else {
+                let Some((surface, surface_velocity)) = candidate.surface(obstacle, free_velocity[particle]) else {
                     continue;
                 };
                 let (contact, shape) = (&body.contacts[obstacle], &model.obstacles[obstacle]);
@@ -76,14 +76,14 @@ pub(in crate::physics) fn find<R: Real>(
                     surface_velocity: surface_velocity.to_dvec3(),
                     resistance: (dt * (dt * contact.stiffness + contact.damping)).to_f64(),
                     // A body put deep inside is pushed out as if it were at the limit.
-                    push: (dt * contact.stiffness * (-surface.gap).min(contact.depth_limit)).to_f64(),
-                    slowest: response::deepest_velocity(&surface, contact, dt).to_f64(),
-                    hold: 0.0,
+                    impulse_at_rest: (dt * contact.stiffness * (-surface.gap).min(contact.depth_limit)).to_f64(),
+                    min_normal_velocity: response::min_normal_velocity(&surface, contact, dt).to_f64(),
+                    depth_limit_resistance: 0.0,
                     friction: shape.friction_static.to_f64(),
-                    creep: CREEP_SHARE * size,
-                    stopped: STOPPED_SHARE * size,
+                    creep_speed: CREEP_SPEED_SHARE * size,
+                    stopped_speed: STOPPED_SPEED_SHARE * size,
                     pushes: false,
-                    is_held: false,
+                    is_at_depth_limit: false,
                     normal_impulse: 0.0,
                     drag: DVec3::ZERO,
                     matrix: DMat3::ZERO,
@@ -91,10 +91,10 @@ pub(in crate::physics) fn find<R: Real>(
                     impulse: DVec3::ZERO,
                 };
                 let velocity = state.velocity[particle].to_dvec3();
-                if constraint.sliding(velocity).length() > STILL_SHARE * size {
+                if constraint.sliding(velocity).length() > STILL_SPEED_SHARE * size {
                     constraint.friction = shape.friction_dynamic.to_f64();
                 }
-                constraint.begin(velocity, falling[particle].to_dvec3());
+                constraint.begin(velocity, free_velocity[particle].to_dvec3());
                 workspace.constraints.push(constraint);
             }
             candidate.tests.count(&mut recorder.counters);
@@ -104,14 +104,14 @@ pub(in crate::physics) fn find<R: Real>(
 
 /// Turns the constraints into contacts, and resolves particles that the solution leads into an obstacle without a push: they
 /// did not touch it before, or the rounds ended before it was settled which constraints push.
-pub(in crate::physics) fn finish<R: Real>(
+pub(in crate::physics) fn finish_constraints<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
     workspace: &mut ContactWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, state, dt, .. } = substep;
-    workspace.keep_of_sleepers(model, state);
+    workspace.keep_sleeping_contacts(model, state);
     let mut constraints = workspace.constraints.chunk_by(|a, b| a.particle == b.particle).peekable();
     for (number, body) in model.bodies.iter().enumerate() {
         while let Some(own) = constraints.next_if(|own| body.particles.contains(&own[0].particle)) {
@@ -121,8 +121,9 @@ pub(in crate::physics) fn finish<R: Real>(
                 continue;
             }
             let over_dt = R::ONE / dt;
-            let known = workspace.of_bodies[number].known(particle - body.particles.start, model.mesh_count());
-            let mut candidate = Candidate::new(substep, number, particle, known);
+            let caches =
+                workspace.of_bodies[number].caches_of_particle(particle - body.particles.start, model.mesh_count());
+            let mut candidate = Candidate::new(substep, number, particle, caches);
             let first = workspace.contacts.len();
             for obstacle in 0..model.obstacles.len() {
                 let record = match own.iter().find(|constraint| constraint.obstacle == obstacle) {
@@ -147,11 +148,12 @@ pub(in crate::physics) fn finish<R: Real>(
                 let found = &mut workspace.contacts[first..];
                 let solved = velocity[particle];
                 let has = account::energy(solved, dt, mass, &body.contacts, found);
-                candidate.share_out(has, [solved, allowed], mass, &body.contacts, found);
+                candidate.distribute_force(has, [solved, allowed], mass, &body.contacts, found);
                 velocity[particle] = allowed;
             }
             candidate.tests.count(&mut recorder.counters);
-            recorder.counters.frictions += own.iter().filter(|constraint| constraint.limit() > 0.0).count() as u64;
+            recorder.counters.frictions +=
+                own.iter().filter(|constraint| constraint.friction_limit() > 0.0).count() as u64;
         }
     }
     Candidates { substep, workspace, recorder }.resolve_all(velocity);
@@ -196,14 +198,14 @@ mod tests {
         let timer = &mut ();
         let mut recorder = Recorder::new(timer);
         let mut velocity = vec![DVec3::NEG_Y; model.particle_count()];
-        find(substep, &velocity, &mut workspace, &mut recorder);
+        find_constraints(substep, &velocity, &mut workspace, &mut recorder);
         for constraint in &mut workspace.constraints {
             // In one round the particle leaves, in the last it is pressed in again.
-            constraint.reconsider(DVec3::Y, false);
-            constraint.reconsider(DVec3::NEG_Y, false);
+            constraint.relinearize(DVec3::Y, false);
+            constraint.relinearize(DVec3::NEG_Y, false);
             assert!(constraint.is_left_out(), "{constraint:?}");
         }
-        finish(substep, &mut velocity, &mut workspace, &mut recorder);
+        finish_constraints(substep, &mut velocity, &mut workspace, &mut recorder);
         let touching = workspace.contacts.len();
         assert!(touching > 50 && touching == workspace.constraints.len(), "{touching} particles touch");
         for contact in &workspace.contacts {

@@ -11,7 +11,7 @@ pub(in crate::physics) struct Surface<R: Real> {
     pub(in crate::physics) gap: R,
 }
 
-/// The part of a line `from + t way` that is inside a form.
+/// The part of a line `from + t direction` that is inside a form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::physics::contact) struct Crossing<R: Real> {
     /// t where the line enters.

@@ -37,7 +37,7 @@ pub(in crate::physics) fn sweeps<R: Real>(
 }
 
 /// Advances the sweeps by `secs`; obstacles that have arrived stand still from now on.
-pub(in crate::physics) fn pass<R: Real>(model: &Model<R>, secs: f64, state: &mut State<R>) {
+pub(in crate::physics) fn advance<R: Real>(model: &Model<R>, secs: f64, state: &mut State<R>) {
     state.sweeps.retain_mut(|sweep| {
         let (next, left_secs) = sweep.next(&model.obstacles[sweep.obstacle], secs);
         (sweep.center, sweep.rotation, sweep.left_secs) = (next.center, next.rotation, left_secs);

@@ -18,7 +18,7 @@ use crate::physics::step::substep::Substep;
 const STILL_SPEED: f64 = 1e-3;
 
 /// The share by which boxes are made larger than planes reach, for rounding error.
-const ROUNDING: f64 = 1e-3;
+const ROUNDING_SHARE: f64 = 1e-3;
 
 /// Adds reaction and friction to the force of every particle found past a surface, and stores them alone in `thesis_force`.
 pub(in crate::physics) fn add_forces<R: Real>(
@@ -29,7 +29,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, plan, state, obstacles, dt, .. } = substep;
-    workspace.keep_of_sleepers(model, state);
+    workspace.keep_sleeping_contacts(model, state);
     thesis_force.fill(R::Vec3::ZERO);
     let mut deepest = workspace.deepest();
     for (place, body) in model.bodies.iter().enumerate().filter(|(place, _)| !state.bodies[*place].asleep) {
@@ -37,15 +37,15 @@ pub(in crate::physics) fn add_forces<R: Real>(
         if plan.broad_phase {
             recorder.enter(Stage::BroadPhase);
         }
-        let ObstaclesWorkspace { near, known, .. } = &mut workspace.of_bodies[place];
+        let ObstaclesWorkspace { broad_phase, caches, .. } = &mut workspace.of_bodies[place];
         let own = &state.velocity[body.particles.clone()];
-        near.find(substep, place, own, threshold * R::from_f64(1.0 + ROUNDING), |_| false);
+        broad_phase.find_obstacles(substep, place, own, threshold * R::from_f64(1.0 + ROUNDING_SHARE), |_| false);
         recorder.enter(Stage::Contact);
         let tests_before = recorder.counters.narrow_tests;
-        near.find_particles(substep, place, own, known);
-        for particle in near.particles.iter().cloned().flatten().map(|local| body.particles.start + local) {
-            for number in near.obstacles.iter().map(|near| *near as usize) {
-                let obstacle = obstacles.met(place, number);
+        broad_phase.find_particles(substep, place, own, caches);
+        for particle in broad_phase.particles.iter().cloned().flatten().map(|local| body.particles.start + local) {
+            for number in broad_phase.obstacles.iter().map(|near| *near as usize) {
+                let obstacle = obstacles.for_body(place, number);
                 recorder.counters.narrow_tests += 1;
                 let contact = &body.contacts[number];
                 let at = state.position[particle];
@@ -112,7 +112,7 @@ fn inside_oriented<R: Real>(oriented: &OrientedModel<R>, at: R::Vec3) -> Option<
 
 /// An open mesh acts on the side of its normals, as a plane does.
 fn past_mesh<R: Real>(mesh: &MeshModel<R>, contact: &ContactModel<R>, at: R::Vec3) -> Option<(R::Vec3, R)> {
-    let (normal, depth) = super::narrow::mesh::past(mesh, at)?;
+    let (normal, depth) = super::narrow::mesh::penetration(mesh, at)?;
     (mesh.side_row.is_none() || depth <= contact.thesis_threshold).then_some((normal, depth))
 }
 

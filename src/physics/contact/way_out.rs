@@ -14,14 +14,14 @@ use crate::physics::model::{ObstacleShape, PlaneModel};
 use crate::physics::state::touch::SampleTouch;
 pub(super) use points::MeetingPoints;
 pub(super) use way::WayOut;
-use way::{SAME_MIDDLE, shortest};
+use way::{SAME_MIDDLE_TOLERANCE, shortest};
 
 /// A plane carries bodies on a side that faces up by more than this cosine.
-const CARRIES: f64 = 0.3;
+const MIN_CARRYING_COSINE: f64 = 0.3;
 
 /// What is known of an obstacle and a body from before the obstacle was put elsewhere.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Memory<'a, R: Real> {
+pub(super) struct PriorContact<'a, R: Real> {
     /// The obstacle as the body met it; none where it is new.
     pub(super) shape: Option<&'a ObstacleShape<R>>,
     /// The number it had then.
@@ -31,13 +31,13 @@ pub(super) struct Memory<'a, R: Real> {
     /// Where points of meshes touched.
     pub(super) touches: &'a [SampleTouch],
     /// The direction in which the obstacle was coming; none where it was not.
-    pub(super) way: Option<DVec3>,
+    pub(super) direction: Option<DVec3>,
 }
 
-impl<R: Real> Memory<'_, R> {
+impl<R: Real> PriorContact<'_, R> {
     /// Nothing is known.
     pub(super) fn none() -> Self {
-        Self { shape: None, obstacle: 0, sides: &[], touches: &[], way: None }
+        Self { shape: None, obstacle: 0, sides: &[], touches: &[], direction: None }
     }
 
     /// The direction to the side on which a particle touched the plane; none where it did not.
@@ -61,8 +61,8 @@ impl<R: Real> Memory<'_, R> {
     /// The side on which a body stood on the plane; none where it did not stand.
     fn carrying(&self, points: &MeetingPoints<'_, R>) -> Option<DVec3> {
         let down = points.model.gravity.to_dvec3().normalize_or_zero();
-        let sum: DVec3 = points.free().filter_map(|(number, _)| self.touched_by(points, number)).sum();
-        sum.try_normalize().filter(|way| -way.dot(down) > CARRIES)
+        let sum: DVec3 = points.free_points().filter_map(|(number, _)| self.touched_by(points, number)).sum();
+        sum.try_normalize().filter(|direction| -direction.dot(down) > MIN_CARRYING_COSINE)
     }
 }
 
@@ -71,13 +71,13 @@ impl<R: Real> Memory<'_, R> {
 pub(super) fn way_out<R: Real>(
     points: &MeetingPoints<'_, R>,
     shape: &ObstacleShape<R>,
-    memory: &Memory<'_, R>,
+    prior: &PriorContact<'_, R>,
 ) -> Option<WayOut> {
     match shape {
-        ObstacleShape::Plane(plane) => Plate { plane, points, memory }.way_out(),
+        ObstacleShape::Plane(plane) => Plate { plane, points, prior }.way_out(),
         ObstacleShape::Sphere { center, radius } => {
             let ball = Ball { center: center.to_dvec3(), radius: radius.to_f64() };
-            let was = match memory.shape {
+            let was = match prior.shape {
                 Some(ObstacleShape::Sphere { center, radius }) => {
                     Some(Ball { center: center.to_dvec3(), radius: radius.to_f64() })
                 }
@@ -85,8 +85,8 @@ pub(super) fn way_out<R: Real>(
             };
             ball.way_out(points, was)
         }
-        ObstacleShape::Oriented(solid) => oriented::way_out(points, solid, memory.shape),
-        ObstacleShape::Mesh(mesh) => mesh::way_out(points, mesh, memory.shape),
+        ObstacleShape::Oriented(solid) => oriented::way_out(points, solid, prior.shape),
+        ObstacleShape::Mesh(mesh) => mesh::way_out(points, mesh, prior.shape),
     }
 }
 
@@ -94,20 +94,20 @@ pub(super) fn way_out<R: Real>(
 struct Plate<'a, R: Real> {
     plane: &'a PlaneModel<R>,
     points: &'a MeetingPoints<'a, R>,
-    memory: &'a Memory<'a, R>,
+    prior: &'a PriorContact<'a, R>,
 }
 
 impl<R: Real> Plate<'_, R> {
     fn way_out(&self) -> Option<WayOut> {
         let normal = self.plane.normal.to_dvec3();
-        let carrying = self.memory.carrying(self.points);
-        let chosen = self.memory.way.or(carrying).filter(|way| way.dot(normal) != 0.0);
+        let carrying = self.prior.carrying(self.points);
+        let chosen = self.prior.direction.or(carrying).filter(|direction| direction.dot(normal) != 0.0);
         if chosen.is_none() && !self.is_pierced() {
             return None;
         }
-        let out = |way: DVec3| WayOut { way, length_m: self.length_m(way) };
+        let out = |direction: DVec3| WayOut { direction, length_m: self.length_m(direction) };
         let found = match chosen {
-            Some(way) => Some(out(normal * way.dot(normal).signum())),
+            Some(direction) => Some(out(normal * direction.dot(normal).signum())),
             None => shortest(self.points.model.gravity.to_dvec3(), [out(normal), out(-normal)].into_iter()),
         };
         found.filter(|out| out.length_m > 0.0)
@@ -131,22 +131,23 @@ impl<R: Real> Plate<'_, R> {
     }
 
     /// How far the body reaches behind the plane, beyond how deep it was in contact on that side before, m.
-    fn length_m(&self, way: DVec3) -> f64 {
-        let along = |plane: &PlaneModel<R>, at: R::Vec3, way: DVec3| (at - plane.center).to_dvec3().dot(way);
+    fn length_m(&self, direction: DVec3) -> f64 {
+        let along =
+            |plane: &PlaneModel<R>, at: R::Vec3, direction: DVec3| (at - plane.center).to_dvec3().dot(direction);
         let depth = |(number, at): (usize, R::Vec3)| {
             // A point that ends up in the surface itself must not be taken to be on the other side.
             let margin = 4.0 * rounding_margin::<R>(self.plane, at).to_f64();
-            let pressed = match self.memory.shape {
+            let pressed = match self.prior.shape {
                 // Points of meshes forget their touches of a plane that was put elsewhere.
                 Some(ObstacleShape::Plane(was)) if !self.points.are_on_mesh() => {
-                    let side = self.memory.touched(number).filter(|side| side.dot(way) > 0.0);
+                    let side = self.prior.touched(number).filter(|side| side.dot(direction) > 0.0);
                     side.map(|side| (-along(was, at, side)).max(0.0))
                 }
                 _ => None,
             };
-            -along(self.plane, at, way) - pressed.unwrap_or(-margin)
+            -along(self.plane, at, direction) - pressed.unwrap_or(-margin)
         };
-        self.points.free().filter(|(_, at)| self.is_over(*at)).map(depth).fold(0.0, f64::max)
+        self.points.free_points().filter(|(_, at)| self.is_over(*at)).map(depth).fold(0.0, f64::max)
     }
 }
 
@@ -160,32 +161,32 @@ struct Ball {
 impl Ball {
     fn way_out<R: Real>(self, points: &MeetingPoints<'_, R>, was: Option<Self>) -> Option<WayOut> {
         let &MeetingPoints { model, body, .. } = points;
-        let free = || points.free().map(|(_, at)| at.to_dvec3());
+        let free = || points.free_points().map(|(_, at)| at.to_dvec3());
         // A particle may stay as deep as it was in contact before.
         let allowed = |at: DVec3| was.map_or(0.0, |was| was.depth(at).max(0.0));
         let margin = 8.0 * R::EPSILON.to_f64() * (self.radius + self.center.abs().max_element());
         if !free().any(|at| self.depth(at) > allowed(at) + margin) {
             return None;
         }
-        let length_m = |way: DVec3| {
-            let leaves = |at: DVec3| {
+        let length_m = |direction: DVec3| {
+            let distance_out = |at: DVec3| {
                 let radius = (self.radius - allowed(at) + margin).max(0.0);
                 let from = at - self.center;
-                let along = from.dot(way);
+                let along = from.dot(direction);
                 let reach = along * along - from.length_squared() + radius * radius;
                 if reach > 0.0 { reach.sqrt() - along } else { 0.0 }
             };
-            free().map(leaves).fold(0.0, f64::max)
+            free().map(distance_out).fold(0.0, f64::max)
         };
         let gravity = model.gravity.to_dvec3();
         let up = (-gravity).try_normalize().unwrap_or(DVec3::Y);
         let radial = points.middle() - self.center;
         let level = radial - up * radial.dot(up);
         // Where the middles coincide, the vector between them is rounding error and no direction.
-        let least = SAME_MIDDLE * body.size.to_f64();
-        let told = |way: &DVec3| way.length() > least;
-        let ways = [radial, level].into_iter().filter(told).chain([up]).filter_map(DVec3::try_normalize);
-        shortest(gravity, ways.map(|way| WayOut { way, length_m: length_m(way) }))
+        let least = SAME_MIDDLE_TOLERANCE * body.size.to_f64();
+        let told = |direction: &DVec3| direction.length() > least;
+        let directions = [radial, level].into_iter().filter(told).chain([up]).filter_map(DVec3::try_normalize);
+        shortest(gravity, directions.map(|direction| WayOut { direction, length_m: length_m(direction) }))
     }
 
     /// How deep a point is inside, m.
@@ -213,7 +214,7 @@ mod tests {
         let simulation = Simulation::<f64>::new(&scene, &[jelly.lattice]);
         let (model, state) = (simulation.model(), simulation.state());
         let points = MeetingPoints::new(model, simulation.plan(), 0, &state.position);
-        way_out(&points, &model.obstacles[0].shape, &Memory::none())
+        way_out(&points, &model.obstacles[0].shape, &PriorContact::none())
     }
 
     fn upright(x: f64) -> Shape {
@@ -228,9 +229,9 @@ mod tests {
         Shape::Sphere(Sphere { center, radius })
     }
 
-    fn check(shape: &Shape, way: DVec3, length_m: f64) {
+    fn check(shape: &Shape, direction: DVec3, length_m: f64) {
         let out = out_of(shape.clone()).expect("inside");
-        assert!(out.way.distance(way) < 1e-9, "{shape:?}: {out:?}");
+        assert!(out.direction.distance(direction) < 1e-9, "{shape:?}: {out:?}");
         assert!((out.length_m - length_m).abs() < 1e-6, "{shape:?}: {out:?}, not {length_m} m");
     }
 
@@ -248,7 +249,7 @@ mod tests {
         check(&ball([-0.6, 0.0, 0.0], 0.4), DVec3::X, (0.16_f64 - 2.0 / 324.0).sqrt() - 0.1);
         check(&ball([0.0; 3], 0.1), DVec3::Y, (0.01_f64 - 2.0 / 324.0).sqrt() + 0.5);
         let sideways = out_of(ball([0.1, 0.3, 0.0], 0.3)).expect("inside");
-        assert!(sideways.way.distance(DVec3::NEG_X) < 1e-9, "not down through the body: {sideways:?}");
+        assert!(sideways.direction.distance(DVec3::NEG_X) < 1e-9, "not down through the body: {sideways:?}");
     }
 
     #[test]
@@ -268,7 +269,7 @@ mod tests {
         check(&rod(-0.6), DVec3::X, (0.04_f64 - 1.0 / 324.0).sqrt() - 0.1);
         let capsule = Capsule { center: [0.0, -0.6, 0.0], rotation_deg: [0.0; 3], radius: 0.2, half_height: 0.1 };
         let up = out_of(Shape::Capsule(capsule)).expect("inside");
-        assert!(up.way.distance(DVec3::Y) < 1e-9 && up.length_m > 0.15, "{up:?}");
+        assert!(up.direction.distance(DVec3::Y) < 1e-9 && up.length_m > 0.15, "{up:?}");
     }
 
     #[test]

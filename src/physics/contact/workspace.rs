@@ -1,10 +1,10 @@
 //! The contacts of a substep, and the workspace they are found in.
 
 use super::bodies::BodiesWorkspace;
-use super::broad::Near;
+use super::broad::BroadPhase;
 use super::constraint::ContactConstraint;
-use super::far::BYTES_FAR;
-use super::narrow::mesh::Known;
+use super::distance_cache::DISTANCE_CACHE_BYTES;
+use super::narrow::mesh::NearestPointCache;
 use super::record::ContactRecord;
 use super::samples::SamplesWorkspace;
 use crate::math::{Real, Vector};
@@ -16,53 +16,53 @@ use crate::physics::state::State;
 use crate::physics::state::sleep;
 
 /// Obstacles that meet in a corner.
-const CORNER: usize = 3;
+const OBSTACLES_IN_CORNER: usize = 3;
 
 /// Bytes cached for each pair of a particle and a mesh.
-pub(in crate::physics) const BYTES_A_PARTICLE_AND_MESH: usize = size_of::<Known>() + BYTES_FAR;
+pub(in crate::physics) const BYTES_A_PARTICLE_AND_MESH: usize = size_of::<NearestPointCache>() + DISTANCE_CACHE_BYTES;
 
 /// Workspace for contact of one body's particles with obstacles. Each body has its own, so that threads work on bodies in
 /// parallel.
 #[derive(Clone, Debug)]
 pub(super) struct ObstaclesWorkspace<R: Real> {
-    pub(super) near: Near<R>,
+    pub(super) broad_phase: BroadPhase<R>,
     /// Cached search results of every particle and mesh, by particle.
-    pub(super) known: Vec<Known>,
+    pub(super) caches: Vec<NearestPointCache>,
     /// The contacts found in the present substep.
-    pub(super) found: Vec<ContactRecord<R>>,
-    pub(super) tests: Tests,
+    pub(super) found_contacts: Vec<ContactRecord<R>>,
+    pub(super) tests: TestCounts,
 }
 
 impl<R: Real> ObstaclesWorkspace<R> {
     fn new(model: &Model<R>, body: &BodyModel<R>) -> Self {
         let (particles, meshes) = (body.particles.len(), model.mesh_count());
-        let met = if model.obstacles.is_empty() { 0 } else { body.lattice.surface / MET_AT_ONCE };
+        let met = if model.obstacles.is_empty() { 0 } else { body.lattice.surface / SURFACE_PARTICLES_A_CONTACT };
         Self {
-            near: Near::new(model, particles),
-            known: vec![Known::default(); particles * meshes],
-            found: Vec::with_capacity(met),
-            tests: Tests::default(),
+            broad_phase: BroadPhase::new(model, particles),
+            caches: vec![NearestPointCache::default(); particles * meshes],
+            found_contacts: Vec::with_capacity(met),
+            tests: TestCounts::default(),
         }
     }
 
     /// Returns the cached search results of a particle of the body, by mesh.
-    pub(super) fn known(&mut self, local: usize, meshes: usize) -> &mut [Known] {
-        &mut self.known[local * meshes..][..meshes]
+    pub(super) fn caches_of_particle(&mut self, local: usize, meshes: usize) -> &mut [NearestPointCache] {
+        &mut self.caches[local * meshes..][..meshes]
     }
 }
 
 /// There is room for contacts of one in this many surface particles in a substep; where there are more, the list grows once.
-pub(in crate::physics) const MET_AT_ONCE: usize = 2;
+pub(in crate::physics) const SURFACE_PARTICLES_A_CONTACT: usize = 2;
 
 /// Numbers of tests made.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Tests {
+pub(super) struct TestCounts {
     pub(super) all: u64,
     pub(super) of_spheres: u64,
     pub(super) frictions: u64,
 }
 
-impl Tests {
+impl TestCounts {
     /// Adds the numbers of others.
     pub(super) fn add(&mut self, Self { all, of_spheres, frictions }: Self) {
         self.all += all;
@@ -87,7 +87,7 @@ pub(crate) struct ContactWorkspace<R: Real> {
     pub contacts: Vec<ContactRecord<R>>,
     /// For every body and obstacle, whether they count as near without a test of bounding boxes: planes and open meshes of
     /// which a side is remembered, and all before the first substep.
-    pub(super) touching: Vec<bool>,
+    pub(super) marked_near: Vec<bool>,
     /// The constraints of the implicit integrator, by particle.
     pub(in crate::physics) constraints: Vec<ContactConstraint>,
     /// Workspace and results of contact between bodies.
@@ -101,12 +101,12 @@ impl<R: Real> ContactWorkspace<R> {
     pub(crate) fn new(model: &Model<R>, plan: &Plan) -> Self {
         // Enough for every surface particle in a corner of obstacles; where there are more contacts, the lists grow once.
         let surface: usize = model.bodies.iter().map(|body| body.lattice.surface).sum();
-        let pairs = surface * model.obstacles.len().min(CORNER);
+        let pairs = surface * model.obstacles.len().min(OBSTACLES_IN_CORNER);
         let solved_for = if plan.scheme == Scheme::Implicit { pairs } else { 0 };
         Self {
             of_bodies: model.bodies.iter().map(|body| ObstaclesWorkspace::new(model, body)).collect(),
             contacts: Vec::with_capacity(pairs),
-            touching: vec![true; model.bodies.len() * model.obstacles.len()],
+            marked_near: vec![true; model.bodies.len() * model.obstacles.len()],
             constraints: Vec::with_capacity(solved_for),
             bodies: BodiesWorkspace::new(model, plan),
             samples: SamplesWorkspace::new(model, plan),
@@ -114,12 +114,12 @@ impl<R: Real> ContactWorkspace<R> {
     }
 
     /// How many contacts push.
-    pub(super) fn pushing(&self) -> usize {
-        self.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count() + self.samples.pushing()
+    pub(super) fn pushing_count(&self) -> usize {
+        self.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count() + self.samples.pushing_count()
     }
 
     /// Forgets all contacts but those of bodies that sleep.
-    pub(in crate::physics) fn keep_of_sleepers(&mut self, model: &Model<R>, state: &State<R>) {
+    pub(in crate::physics) fn keep_sleeping_contacts(&mut self, model: &Model<R>, state: &State<R>) {
         if sleep::asleep(state) == 0 {
             self.contacts.clear();
         } else {
@@ -160,13 +160,13 @@ impl<R: Real> ContactWorkspace<R> {
 
     /// Reports the contacts that sleeping bodies keep.
     pub(in crate::physics) fn report_kept(&self, recorder: &mut Recorder<'_>) {
-        recorder.last.contacts = self.pushing();
-        recorder.last.body_contacts = self.bodies.pushing();
+        recorder.last.contacts = self.pushing_count();
+        recorder.last.body_contacts = self.bodies.pushing_count();
         recorder.note_depth(self.deepest().to_f64());
     }
 
     /// Takes every body to be near every obstacle, as obstacles have been moved.
-    pub(in crate::physics) fn touch_all(&mut self) {
-        self.touching.fill(true);
+    pub(in crate::physics) fn mark_all_near(&mut self) {
+        self.marked_near.fill(true);
     }
 }

@@ -66,7 +66,7 @@ impl<R: Real> ModalBodies for Among<'_, R> {
         self.workspace.works.get(body).is_some_and(|work| work.is_begun)
     }
 
-    fn around(&mut self, body: usize) -> Aabb<f64> {
+    fn motion_bounds(&mut self, body: usize) -> Aabb<f64> {
         self.with(body, |motion, _| motion.around()).unwrap_or_else(Aabb::empty)
     }
 
@@ -74,11 +74,11 @@ impl<R: Real> ModalBodies for Among<'_, R> {
         self.with(body, |motion, _| motion.drift()).unwrap_or_default()
     }
 
-    fn look_ahead(&mut self, body: usize, region: &Aabb<f64>, [now, ahead]: [&mut [DVec3]; 2]) {
+    fn predict_positions(&mut self, body: usize, region: &Aabb<f64>, [now, ahead]: [&mut [DVec3]; 2]) {
         self.with(body, |motion, _| motion.look_ahead(region, [now, ahead]));
     }
 
-    fn yields(&self, body: usize) -> impl Iterator<Item = f64> {
+    fn mobilities(&self, body: usize) -> impl Iterator<Item = f64> {
         self.workspace.oscillators[body].iter().map(|oscillator| oscillator.yields)
     }
 
@@ -96,7 +96,7 @@ impl<R: Real> ModalBodies for Among<'_, R> {
         self.with(body, |motion, _| damping_ratio(motion)).unwrap_or(1.0)
     }
 
-    fn round(&mut self, body: usize, change: &mut [f64]) -> f64 {
+    fn solve_round(&mut self, body: usize, change: &mut [f64]) -> f64 {
         let ModalWorkspace { oscillators, works, secs, .. } = &mut *self.workspace;
         let Work { contacts, hand, pulls, .. } = &mut works[body];
         hold::round(pulls.then_some(hand), contacts, &oscillators[body], *secs, change)
@@ -109,7 +109,7 @@ impl<R: Real> ModalBodies for Among<'_, R> {
         }
     }
 
-    fn take(&mut self, body: usize, change: &[f64]) {
+    fn apply_change(&mut self, body: usize, change: &[f64]) {
         let work = &mut self.workspace.works[body];
         work.change[..change.len()].copy_from_slice(change);
         work.is_met = true;

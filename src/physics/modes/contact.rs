@@ -6,7 +6,9 @@ use super::candidate::{Candidate, Met, Touch};
 use super::motion::{MARGIN, Motion, Way, sum};
 use super::oscillator::Oscillator;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::contact::{GENTLE_SHARE, Known, Placed, Swept, met_side, pressed_at_end};
+use crate::physics::contact::{
+    NearestPointCache, PARTING_SPEED_SHARE, Placed, SweptPoint, contact_side, pressed_at_end,
+};
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
 use crate::physics::report::Recorder;
@@ -111,7 +113,7 @@ pub(super) struct ModalContacts {
     modes: usize,
     row: Vec<DVec3>,
     mean: Vec<DVec3>,
-    known: Vec<Known>,
+    known: Vec<NearestPointCache>,
     most: usize,
     /// All candidates of a free body.
     candidates: Vec<Candidate>,
@@ -131,7 +133,7 @@ impl ModalContacts {
             modes,
             row: vec![DVec3::ZERO; modes],
             mean: vec![DVec3::ZERO; modes],
-            known: vec![Known::default(); meshes],
+            known: vec![NearestPointCache::default(); meshes],
             most,
             candidates: Vec::with_capacity(touches),
             pressed: Vec::with_capacity(touches),
@@ -195,7 +197,7 @@ impl ModalContacts {
         self.candidates.clear();
         let points = &motion.modal.points;
         for number in 0..model.obstacles.len() {
-            let obstacle = obstacles.met(motion.number, number);
+            let obstacle = obstacles.for_body(motion.number, number);
             recorder.enter(Stage::BroadPhase);
             let before = recorder.counters.narrow_tests;
             let looks = each_near(motion, number, obstacle, touches, plan, |point, known| {
@@ -260,7 +262,7 @@ impl ModalContacts {
         recorder: &mut Recorder<'_>,
     ) {
         for number in 0..model.obstacles.len() {
-            let obstacle = obstacles.met(motion.number, number);
+            let obstacle = obstacles.for_body(motion.number, number);
             if obstacle.shape.side_row().is_none() {
                 let pressed = self.pressed.iter().filter(|touch| touch.obstacle == number && touch.depth_m > 0.0);
                 self.touches.extend(pressed);
@@ -271,7 +273,7 @@ impl ModalContacts {
                 tests += 1;
                 let Some(met) = self.meet(motion, obstacle, point, known) else { return };
                 let at = R::Vec3::from_dvec3(motion.in_scene(met.way.from));
-                let side = met_side(&obstacle.shape, at, met.surface.normal);
+                let side = contact_side(&obstacle.shape, at, met.surface.normal);
                 let touch = SampleTouch { body: motion.number, sample: point, obstacle: number, side, depth_m: 0.0 };
                 let pressed = self.pressed.binary_search_by_key(&touch.place(), SampleTouch::place);
                 let depth_m = pressed.map_or(0.0, |place| self.pressed[place].depth_m);
@@ -336,8 +338,9 @@ impl ModalContacts {
             }
             (None, Some(flight)) => side_of(&obstacle.shape, from, R::Vec3::from_dvec3(flight.start())),
         };
-        let swept = Swept { from, path: R::Vec3::from_dvec3(motion.turn * way.path), side, widest: None };
-        self.known.fill(Known::default());
+        let swept =
+            SweptPoint { from, path: R::Vec3::from_dvec3(motion.turn * way.path), side, largest_coordinates: None };
+        self.known.fill(NearestPointCache::default());
         let (surface, velocity) = swept.meet(obstacle, R::from_f64(secs), &mut self.known)?;
         Some(Met { way, surface, velocity })
     }
@@ -383,7 +386,7 @@ impl ModalContacts {
             damping: 2.0 * damping_ratio(motion) * (share * stiffness / along).sqrt(),
             mobility: [along, across],
             friction: [rubs.friction_static.to_f64(), rubs.friction_dynamic.to_f64()],
-            gentle: GENTLE_SHARE * body.size.to_f64(),
+            gentle: PARTING_SPEED_SHARE * body.size.to_f64(),
             candidates: [first, first + candidates.len()],
             pushed: 0.0,
             rubbed: DVec3::ZERO,

@@ -150,7 +150,7 @@ impl<'a, R: Real> Ahead<'a, R> {
         let ending = substep(model, &way, part, inputs, &mut next, &mut workspace, &mut Recorder::new(timer));
         let share = schemes::share_to_center(state, &next);
         let is_on_time = is_on_time || ending == Ending::Diverged;
-        let (contacts, met) = (workspace.contact.contacts, workspace.contact.bodies.met);
+        let (contacts, met) = (workspace.contact.contacts, workspace.contact.bodies.pushed_pairs);
         Self { model, state, next, contacts, met, is_on_time, share }
     }
 

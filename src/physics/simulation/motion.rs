@@ -79,7 +79,7 @@ impl<R: Real> Simulation<R> {
         self.state.fit_touches(&self.model, &self.plan);
         self.wake(body);
         self.state.reserve(&self.model);
-        self.workspace.contact.touch_all();
+        self.workspace.contact.mark_all_near();
         self.diverged = false;
     }
 

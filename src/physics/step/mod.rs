@@ -169,7 +169,7 @@ fn take_part<R: Real>(
     recorder: &mut Recorder<'_>,
 ) -> Ending {
     if sleep::is_quiet(state) && !part.bodies_are_near {
-        workspace.contact.bodies.keep_of_sleepers(model, plan, state);
+        workspace.contact.bodies.keep_sleeping_contacts(model, plan, state);
         if plan.between_bodies.is_some() {
             std::mem::swap(&mut state.presses, &mut workspace.contact.bodies.presses);
         }
@@ -211,7 +211,7 @@ fn take_part<R: Real>(
     if plan.sleeping && part.is_last {
         recorder.enter(Stage::Rest);
         fallen::watch(model, state);
-        sleep::watch(model, plan, grab.map(|grab| grab.body), &workspace.contact.bodies.touching(), state);
+        sleep::watch(model, plan, grab.map(|grab| grab.body), &workspace.contact.bodies.pushing_pairs(), state);
     }
     recorder.took(part.secs, sleep::asleep(state));
     Ending::Taken
@@ -392,7 +392,7 @@ fn predict<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &m
 fn meet_bodies<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let StepWorkspace { velocity, contact, modal, .. } = workspace;
     if !begun.bodies_are_near {
-        contact::bodies::keep_apart(begun, &mut contact.bodies, recorder);
+        contact::bodies::skip_contact(begun, &mut contact.bodies, recorder);
         return;
     }
     recorder.begin_bodies();
@@ -415,7 +415,7 @@ fn meet_obstacles<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<
         recorder.enter(Stage::Integrate);
     }
     if begun.bodies_are_near {
-        contact::bodies::count_parting(begun, velocity, &contact.bodies, recorder);
+        contact::bodies::count_parting_work(begun, velocity, &contact.bodies, recorder);
     }
 }
 
@@ -428,14 +428,14 @@ fn hold<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>) -> boo
     if plan.parts > 1 && !is_strained && strain::tear(model, plan, &state.bodies, motion, stepper.forces) {
         return false;
     }
-    contact.hold(begun, stepper.force, velocity, &mut stepper.workspace.stages.held);
+    contact.list_held_particles(begun, stepper.force, velocity, &mut stepper.workspace.stages.held);
     true
 }
 
 /// Finds the velocities at the end and the mean velocities, with more forces on the way where the scheme has stages.
 fn refine<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let (mut stepper, contact, velocity) = workspace.stepper(begun);
-    stepper.refine(velocity, &contact.bodies.moved, recorder);
+    stepper.refine(velocity, &contact.bodies.changed_velocities, recorder);
     if !schemes::moves_by_mean(begun.scheme) {
         // The part is taken by another scheme than the plan's.
         if let Some(path) = &mut workspace.scheme.path {
@@ -454,7 +454,7 @@ fn meet_on_paths<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R
     contact::respond_to_paths(begun, &mut workspace.velocity, path, &mut workspace.contact, recorder);
     if begun.scheme == Scheme::Stabilised {
         let SchemeWorkspace { stages, velocity: left, .. } = &workspace.scheme;
-        workspace.contact.note_forces(begun, &stages.held, [left, &workspace.velocity]);
+        workspace.contact.record_forces(begun, &stages.held, [left, &workspace.velocity]);
     }
     recorder.enter(Stage::Integrate);
 }
@@ -462,8 +462,8 @@ fn meet_on_paths<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R
 /// Writes the velocities at the end of a substep as the implicit scheme solves for them.
 fn solved_velocities<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let (mut stepper, contact, velocity) = workspace.stepper(begun);
-    contact::bodies::keep_apart(begun, &mut contact.bodies, recorder);
-    contact.samples.keep_of_sleepers(begun.state);
+    contact::bodies::skip_contact(begun, &mut contact.bodies, recorder);
+    contact.samples.keep_sleeping_contacts(begun.state);
     if meets_implicitly(begun.plan) {
         stepper.fall(velocity);
         contact::find_constraints(begun, velocity, contact, recorder);

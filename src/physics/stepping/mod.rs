@@ -45,8 +45,8 @@ pub(super) fn advance<R: Real>(
     timer: &mut dyn StageTimer,
 ) -> StepReport {
     let mut recorder = Recorder::new(timer);
-    workspace.contact.bodies.met.clear();
-    workspace.contact.bodies.remember_folds(state);
+    workspace.contact.bodies.pushed_pairs.clear();
+    workspace.contact.bodies.store_self_proximity(state);
     if plan.on_mesh.is_some() {
         obstacles.place(model, state, plan.substep_secs());
     }
@@ -63,7 +63,7 @@ pub(super) fn advance<R: Real>(
         };
         ending = substep(model, plan, part, inputs, state, workspace, &mut recorder);
         if ending == Ending::Stopped {
-            workspace.contact.bodies.forget_looks(state);
+            workspace.contact.bodies.restore_self_proximity(state);
             division.forget_tears(state);
             break;
         }
@@ -82,8 +82,8 @@ pub(super) fn advance<R: Real>(
             ending = Ending::Diverged;
             break;
         }
-        arrive::pass(model, &workspace.contact, part.secs, state);
-        sweep::pass(model, part.secs, state);
+        arrive::advance(model, &workspace.contact, part.secs, state);
+        sweep::advance(model, part.secs, state);
         division.take();
         division.divide_further(model, plan, state, &mut workspace.forces);
     }
@@ -105,7 +105,7 @@ fn advance_modal<R: Real>(
     }
     let StepWorkspace { modal, contact, .. } = workspace;
     let long_enough = sleep::long_enough(plan);
-    let waits = |state: &State<R>, body| sleep::waits(body, contact.bodies.touching(), &state.bodies, long_enough);
+    let waits = |state: &State<R>, body| sleep::waits(body, contact.bodies.pushing_pairs(), &state.bodies, long_enough);
     let inputs = modes::Inputs { model, plan, obstacles, grab: modal_grab, secs: part.secs };
     let report = modes::advance(inputs, part.is_last, waits, state, modal, recorder);
     recorder.last.contacts += report.contacts;
@@ -172,9 +172,9 @@ impl Division {
     ) -> Self {
         let StepWorkspace { contact: ContactWorkspace { bodies: of_bodies, .. }, forces, .. } = workspace;
         let looks_out = plan.parts > 0 || plan.between_bodies.is_some() || plan.on_mesh.is_some();
-        of_bodies.spreads.clear();
+        of_bodies.relative_speeds.clear();
         let bodies = model.bodies.iter().filter(|_| looks_out);
-        of_bodies.spreads.extend(bodies.map(|body| looks::spread(body, plan, state)));
+        of_bodies.relative_speeds.extend(bodies.map(|body| looks::spread(body, plan, state)));
         let secs = plan.substep_secs();
         let near = bodies::parts(model, plan, secs, state, of_bodies);
         let bodies_are_near = near.is_some();
@@ -186,7 +186,7 @@ impl Division {
         let strained_parts =
             met.filter(|_| plan.is_divided()).map_or([1, plan.parts], |met| [met.parts, met.strained_parts]);
         let while_strained = WhileStrained::by(scheme, strained_parts, plan);
-        let parts = strain::parts_now(model, plan, while_strained, &of_bodies.spreads, state, forces);
+        let parts = strain::parts_now(model, plan, while_strained, &of_bodies.relative_speeds, state, forces);
         let parts = parts.max(near.unwrap_or(1));
         Self {
             parts,

@@ -6,38 +6,38 @@ use glam::DVec3;
 
 use crate::math::Aabb;
 
-/// No place in a list.
-pub(super) const NONE: u32 = u32::MAX;
+/// Stands where a point is in no cell.
+pub(super) const NO_CELL: u32 = u32::MAX;
 
 /// A point of one body that may be inside another, and the cell of that body that holds it best so far.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct CandidatePoint {
     /// The point, by its number on the outside of its body.
     pub(super) point: u32,
     /// Where it would be at the end of the substep, m.
-    pub(super) ahead: DVec3,
-    /// The cell; [`NONE`] where there is none yet.
+    pub(super) position: DVec3,
+    /// The cell; [`NO_CELL`] where there is none yet.
     pub(super) cell: u32,
     /// The point's place in it.
-    pub(super) at: DVec3,
+    pub(super) cell_coordinates: DVec3,
     /// How far outside the cell that place is, in cells.
-    pub(super) outside: f64,
+    pub(super) distance_outside: f64,
 }
 
-impl Seen {
+impl CandidatePoint {
     /// A point that is in no cell yet.
-    pub(super) const fn of(point: u32, ahead: DVec3) -> Self {
-        Self { point, ahead, cell: NONE, at: DVec3::ZERO, outside: f64::INFINITY }
+    pub(super) const fn new(point: u32, position: DVec3) -> Self {
+        Self { point, position, cell: NO_CELL, cell_coordinates: DVec3::ZERO, distance_outside: f64::INFINITY }
     }
 
     /// Whether the point is in a cell.
     pub(super) fn is_inside(&self) -> bool {
-        self.cell != NONE
+        self.cell != NO_CELL
     }
 }
 
 /// Most buckets: their array has to fit into the processor's cache.
-const MOST: usize = 1 << 13;
+const MAX_BUCKETS: usize = 1 << 13;
 
 /// Points by the bucket they are in, ascending in each.
 #[derive(Clone, Debug, Default)]
@@ -54,20 +54,20 @@ impl Buckets {
     /// Makes room for this many points, in as many buckets as they fill if they are on the outside of a body.
     pub(super) fn new(points: usize) -> Self {
         Self {
-            starts: Vec::with_capacity((4 * points).min(MOST) + 1),
+            starts: Vec::with_capacity((4 * points).min(MAX_BUCKETS) + 1),
             order: Vec::with_capacity(points),
             ..Self::default()
         }
     }
 
     /// Sorts points that are in a box into buckets as large as cells of `cell_size` (m), or larger where those are too many.
-    pub(super) fn sort(&mut self, seen: &[Seen], bounds: &Aabb<f64>, cell_size: f64) {
+    pub(super) fn sort(&mut self, candidates: &[CandidatePoint], bounds: &Aabb<f64>, cell_size: f64) {
         let (extent, mut size) = (bounds.max - bounds.min, cell_size);
         loop {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
             let dims = (extent / size).to_array().map(|count| (count as usize).saturating_add(1));
             let all = dims.iter().fold(1_usize, |all, count| all.saturating_mul(*count));
-            if all <= MOST {
+            if all <= MAX_BUCKETS {
                 (self.low, self.per_metre, self.dims) = (bounds.min, 1.0 / size, dims);
                 break;
             }
@@ -75,24 +75,24 @@ impl Buckets {
         }
         self.starts.clear();
         self.starts.resize(self.dims.iter().product::<usize>() + 1, 0);
-        for point in seen {
-            let bucket = self.bucket(point.ahead);
+        for candidate in candidates {
+            let bucket = self.bucket(candidate.position);
             self.starts[bucket + 1] += 1;
         }
         for bucket in 1..self.starts.len() {
             self.starts[bucket] += self.starts[bucket - 1];
         }
         self.order.clear();
-        self.order.resize(seen.len(), 0);
+        self.order.resize(candidates.len(), 0);
         // Filled from the end, so that points ascend in each bucket and the starts are right afterwards.
-        for (place, point) in seen.iter().enumerate().rev() {
-            let bucket = self.bucket(point.ahead);
+        for (place, candidate) in candidates.iter().enumerate().rev() {
+            let bucket = self.bucket(candidate.position);
             self.starts[bucket + 1] -= 1;
             self.order[self.starts[bucket + 1] as usize] = place;
         }
         self.starts.rotate_left(1);
         if let Some(end) = self.starts.last_mut() {
-            *end = u32::try_from(seen.len()).unwrap_or(u32::MAX);
+            *end = u32::try_from(candidates.len()).unwrap_or(u32::MAX);
         }
     }
 
@@ -140,19 +140,24 @@ mod tests {
     fn every_point_in_a_box_is_near_it_and_few_others_are() {
         let mut rng = Rng::new(7);
         let mut point = |low: f64, high: f64| DVec3::from([0; 3].map(|_| rng.between(low, high)));
-        let seen: Vec<Seen> = (0..500).map(|place| Seen::of(place, point(-1.0, 2.0))).collect();
-        let bounds = Aabb::<f64>::around(seen.iter().map(|seen| seen.ahead));
+        let candidates: Vec<CandidatePoint> =
+            (0..500).map(|place| CandidatePoint::new(place, point(-1.0, 2.0))).collect();
+        let bounds = Aabb::<f64>::around(candidates.iter().map(|candidate| candidate.position));
         let mut buckets = Buckets::new(500);
         for cell_size in [1e-3, 0.2, 10.0] {
-            buckets.sort(&seen, &bounds, cell_size);
+            buckets.sort(&candidates, &bounds, cell_size);
             assert_eq!(buckets.near(&bounds).count(), 500, "all points are in the box of all");
             for _ in 0..50 {
                 let corner = point(-1.2, 2.0);
                 let near = Aabb { min: corner, max: corner + DVec3::splat(0.3) };
                 let found: Vec<usize> = buckets.near(&near).collect();
                 let is_in = |at: DVec3| at.cmpge(near.min).all() && at.cmple(near.max).all();
-                for (place, seen) in seen.iter().enumerate() {
-                    assert!(!is_in(seen.ahead) || found.contains(&place), "{place} at {} is missed", seen.ahead);
+                for (place, candidate) in candidates.iter().enumerate() {
+                    assert!(
+                        !is_in(candidate.position) || found.contains(&place),
+                        "{place} at {} is missed",
+                        candidate.position
+                    );
                 }
                 assert!(cell_size > 1.0 || found.len() < 100, "{} of 500 in a hundredth of the box", found.len());
             }

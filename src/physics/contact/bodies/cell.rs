@@ -6,19 +6,19 @@
 use glam::{DMat3, DVec3};
 
 /// A point on the face between two cells is in either, even if rounding puts it outside both by less than this, in cells.
-pub(super) const TOLERANCE: f64 = 1e-4;
+pub(super) const INSIDE_TOLERANCE: f64 = 1e-4;
 
 /// Newton's method ends when a place changes by no more than this: the error left is of the order of its square.
-const SETTLED: f64 = 1e-6;
+const CONVERGENCE_TOLERANCE: f64 = 1e-6;
 
 /// Most rounds of Newton's method: a cell that is not crushed needs three to six.
-const ROUNDS: usize = 16;
+const MAX_ROUNDS: usize = 16;
 
 /// No round ends further outside the cell than this, in cells.
-const REACH: f64 = 2.0;
+const MAX_DISTANCE_OUTSIDE: f64 = 2.0;
 
 /// Places are looked for only in cells of more than this share of their volume at rest: those more crushed are left to recovery.
-const LEAST_VOLUME: f64 = 1e-3;
+const MIN_VOLUME_SHARE: f64 = 1e-3;
 
 /// The corners of a cell: bit 0 of the index is x, bit 1 y, bit 2 z.
 #[derive(Clone, Copy, Debug)]
@@ -37,28 +37,28 @@ impl Cell {
     }
 
     /// How the point changes with each number of its place, m.
-    pub(super) fn slopes(&self, at: DVec3) -> DMat3 {
+    pub(super) fn jacobian(&self, at: DVec3) -> DMat3 {
         let [x, y, z] = [0, 1, 2].map(|axis| [1.0 - at[axis], at[axis]]);
         let corner = &self.0;
-        let mut slopes = [DVec3::ZERO; 3];
+        let mut columns = [DVec3::ZERO; 3];
         for a in 0..2 {
             for b in 0..2 {
                 let along = |low: usize, step: usize| corner[low + step] - corner[low];
-                slopes[0] += along(2 * a + 4 * b, 1) * (y[a] * z[b]);
-                slopes[1] += along(a + 4 * b, 2) * (x[a] * z[b]);
-                slopes[2] += along(a + 2 * b, 4) * (x[a] * y[b]);
+                columns[0] += along(2 * a + 4 * b, 1) * (y[a] * z[b]);
+                columns[1] += along(a + 4 * b, 2) * (x[a] * z[b]);
+                columns[2] += along(a + 2 * b, 4) * (x[a] * y[b]);
             }
         }
-        DMat3::from_cols(slopes[0], slopes[1], slopes[2])
+        DMat3::from_cols(columns[0], columns[1], columns[2])
     }
 
     /// Finds the place of a point, starting at the place `from`; none where the cell is crushed on the way or the point is far
     /// from it. `cell_size` is that at rest, m.
     pub(super) fn locate(&self, point: DVec3, from: DVec3, cell_size: f64) -> Option<DVec3> {
-        let least = LEAST_VOLUME * cell_size * cell_size * cell_size;
+        let least = MIN_VOLUME_SHARE * cell_size * cell_size * cell_size;
         let mut at = from;
-        for _ in 0..ROUNDS {
-            let DMat3 { x_axis, y_axis, z_axis } = self.slopes(at);
+        for _ in 0..MAX_ROUNDS {
+            let DMat3 { x_axis, y_axis, z_axis } = self.jacobian(at);
             let across = [y_axis.cross(z_axis), z_axis.cross(x_axis), x_axis.cross(y_axis)];
             let volume = x_axis.dot(across[0]);
             if volume.partial_cmp(&least)? != std::cmp::Ordering::Greater {
@@ -66,8 +66,8 @@ impl Cell {
             }
             let left = (point - self.point(at)) * (1.0 / volume);
             let way = DVec3::from(across.map(|across| across.dot(left)));
-            at = (at + way).clamp(DVec3::splat(-REACH), DVec3::splat(1.0 + REACH));
-            if way.abs().max_element() <= SETTLED {
+            at = (at + way).clamp(DVec3::splat(-MAX_DISTANCE_OUTSIDE), DVec3::splat(1.0 + MAX_DISTANCE_OUTSIDE));
+            if way.abs().max_element() <= CONVERGENCE_TOLERANCE {
                 return Some(at);
             }
         }
@@ -79,13 +79,13 @@ impl Cell {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slabs {
     /// The normals, of any length.
-    across: [DVec3; 3],
+    normals: [DVec3; 3],
     /// Where each begins and ends along its normal.
-    between: [[f64; 2]; 3],
+    intervals: [[f64; 2]; 3],
 }
 
 /// Slabs are thicker by this share, for places outside the cell that still count as inside, and for rounding error.
-const THICKER: f64 = 1e-3;
+const SLAB_MARGIN_SHARE: f64 = 1e-3;
 
 impl Cell {
     /// The slabs around its corners, and so around all its places, that lean as the cell does on average.
@@ -94,30 +94,30 @@ impl Cell {
             let corners = self.0.iter().enumerate();
             corners.fold(DVec3::ZERO, |sum, (place, at)| if place & step == 0 { sum - *at } else { sum + *at })
         });
-        let across = [y.cross(z), z.cross(x), x.cross(y)];
-        let between = across.map(|across| {
-            let all = self.0.map(|corner| across.dot(corner));
+        let normals = [y.cross(z), z.cross(x), x.cross(y)];
+        let intervals = normals.map(|normal| {
+            let all = self.0.map(|corner| normal.dot(corner));
             let (low, high) = all.iter().fold((f64::MAX, f64::MIN), |(low, high), at| (low.min(*at), high.max(*at)));
-            let more = THICKER * (high - low);
+            let more = SLAB_MARGIN_SHARE * (high - low);
             [low - more, high + more]
         });
-        Slabs { across, between }
+        Slabs { normals, intervals }
     }
 }
 
 impl Slabs {
     /// Whether a point is in all of them; other points have no place in the cell.
-    pub(super) fn hold(&self, point: DVec3) -> bool {
-        let mut slabs = self.across.iter().zip(&self.between);
-        slabs.all(|(across, [low, high])| {
-            let at = across.dot(point);
+    pub(super) fn contain(&self, point: DVec3) -> bool {
+        let mut slabs = self.normals.iter().zip(&self.intervals);
+        slabs.all(|(normal, [low, high])| {
+            let at = normal.dot(point);
             at >= *low && at <= *high
         })
     }
 }
 
 /// How far outside the cell a place is along the worst axis, in cells; 0 inside.
-pub(super) fn outside(at: DVec3) -> f64 {
+pub(super) fn distance_outside(at: DVec3) -> f64 {
     (at - at.clamp(DVec3::ZERO, DVec3::ONE)).abs().max_element()
 }
 
@@ -153,10 +153,11 @@ mod tests {
             let slabs = cell.slabs();
             let mut place = |beyond: f64| DVec3::from([0; 3].map(|_| rng.between(-beyond, 1.0 + beyond)));
             for _ in 0..20 {
-                let point = cell.point(place(TOLERANCE));
-                assert!(slabs.hold(point), "{point} in {cell:?}");
+                let point = cell.point(place(INSIDE_TOLERANCE));
+                assert!(slabs.contain(point), "{point} in {cell:?}");
                 let near = cell.point(place(0.5));
-                others += usize::from(by < 0.1 && slabs.hold(near) && outside(place_in(&cell, near)) > 0.01);
+                others +=
+                    usize::from(by < 0.1 && slabs.contain(near) && distance_outside(place_in(&cell, near)) > 0.01);
             }
         }
         assert_eq!(others, 0, "of a cell that is not deformed there are none");
@@ -170,7 +171,7 @@ mod tests {
     fn slopes_are_those_of_the_point() {
         let mut rng = Rng::new(5);
         let (cell, at, tiny) = (crooked(&mut rng, 0.3), DVec3::new(0.2, 0.7, 0.4), 1e-6);
-        for (axis, slope) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().zip(cell.slopes(at).to_cols_array_2d()) {
+        for (axis, slope) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().zip(cell.jacobian(at).to_cols_array_2d()) {
             let measured = (cell.point(at + axis * tiny) - cell.point(at - axis * tiny)) / (2.0 * tiny);
             assert!((measured - DVec3::from(slope)).length() < 1e-9, "along {axis}");
         }

@@ -19,120 +19,129 @@
 
 use glam::DVec3;
 
-use super::ahead::Ahead;
-use super::buckets::Seen;
-use super::cell::{Cell, Slabs, TOLERANCE, outside};
-use super::neighbours::{Neighbours, around, looked_at};
-use super::outside::Outside;
-use super::points::{Found, Met, PointsWorkspace};
+use super::buckets::CandidatePoint;
+use super::cell::{Cell, INSIDE_TOLERANCE, Slabs, distance_outside};
+use super::neighbours::{StoredPositions, candidate_cells, cell_bounds};
+use super::points::{PairResult, Penetration, PointsWorkspace};
+use super::predicted::PredictedBody;
+use super::surface_points::SurfacePoints;
 use crate::math::{Aabb, Real};
 use crate::physics::model::{BodyModel, Model, Skin, WayThrough};
 
 /// A point outside a cell by no more than this, in cells, counts as inside it, and is looked for in no other.
-const NOTHING: f64 = 1e-9;
+const ROUNDING_TOLERANCE: f64 = 1e-9;
 
 /// A way out leads against the outward direction of a point where the dot product of the two is below this.
-const AGAINST: f64 = -0.2;
+const MAX_OUTWARD_COSINE: f64 = -0.2;
 
 /// A body is mostly inside another where more than this share of its points is.
-const MOST: f64 = 0.5;
+const MOSTLY_INSIDE_SHARE: f64 = 0.5;
 
 /// Everything that the search for points needs, as it would be at the end of the substep.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look<'a, R: Real> {
+pub(super) struct Search<'a, R: Real> {
     pub(super) model: &'a Model<R>,
     /// Positions of all particles, m.
-    pub(super) ahead: &'a [DVec3],
-    pub(super) bodies: &'a [Ahead],
+    pub(super) positions: &'a [DVec3],
+    pub(super) bodies: &'a [PredictedBody],
     /// Which points are near which cells; without, every point is looked for in every cell.
-    pub(super) neighbours: Option<&'a Neighbours>,
+    pub(super) stored_positions: Option<&'a StoredPositions>,
 }
 
 /// Finds which points of the body `number` are inside which of all bodies whose cells they may be in.
-pub(super) fn find_points<R: Real>(look: Look<'_, R>, number: usize, workspace: &mut PointsWorkspace) {
-    for place in 0..workspace.cells.len() {
-        let of = [number, workspace.cells[place]];
-        find(look, of, workspace);
-        let inside = workspace.seen.iter().filter(|seen| seen.is_inside()).count();
-        workspace.found.extend(ways_out(look, of, &workspace.seen, inside));
-        workspace.met.push(Met { inside, until: workspace.found.len() });
+pub(super) fn find_points<R: Real>(search: Search<'_, R>, number: usize, workspace: &mut PointsWorkspace) {
+    for place in 0..workspace.cell_bodies.len() {
+        let pair = [number, workspace.cell_bodies[place]];
+        find_points_in_cells(search, pair, workspace);
+        let inside_count = workspace.candidates.iter().filter(|candidate| candidate.is_inside()).count();
+        workspace.penetrations.extend(penetrations(search, pair, &workspace.candidates, inside_count));
+        workspace.pair_results.push(PairResult { inside_count, penetrations_end: workspace.penetrations.len() });
     }
 }
 
 /// Finds the points of one body of a pair that are in cells of the other.
-fn find<R: Real>(look: Look<'_, R>, of: [usize; 2], workspace: &mut PointsWorkspace) {
-    let Look { model, ahead, neighbours, .. } = look;
-    let [points, cells] = of.map(|number| &model.bodies[number]);
-    let PointsWorkspace { lists, seen, buckets, looks, .. } = workspace;
-    let outside = Outside::of(model, of);
-    let [own_points, own] = [points, cells].map(|body| &ahead[body.particles.clone()]);
+fn find_points_in_cells<R: Real>(search: Search<'_, R>, pair: [usize; 2], workspace: &mut PointsWorkspace) {
+    let Search { model, positions, stored_positions, .. } = search;
+    let [points, cells] = pair.map(|number| &model.bodies[number]);
+    let PointsWorkspace { lists, candidates, buckets, counts, .. } = workspace;
+    let surface_points = SurfacePoints::of(model, pair);
+    let [own_points, own] = [points, cells].map(|body| &positions[body.particles.clone()]);
     let cell_size = cells.lattice.grid.cell_size;
     let mut tests = 0;
-    let see = |point: u32| Seen::of(point, outside.place(point, own_points));
-    if let Some(neighbours) = neighbours {
-        let list = lists.list(model, (of, outside), neighbours, seen, buckets);
-        seen.clear();
-        seen.extend(list.points.iter().map(|point| see(*point)));
+    let candidate = |point: u32| CandidatePoint::new(point, surface_points.position(point, own_points));
+    if let Some(stored_positions) = stored_positions {
+        let list = lists.updated_list(model, (pair, surface_points), stored_positions, candidates, buckets);
+        candidates.clear();
+        candidates.extend(list.points.iter().map(|point| candidate(*point)));
         for (number, places) in list.by_cell() {
-            let mut cell = Candidate::new(cells, number, own, cell_size);
+            let mut cell = CandidateCell::new(cells, number, own, cell_size);
             for place in places {
-                tests += u64::from(cell.look(&mut seen[place as usize]));
+                tests += u64::from(cell.test(&mut candidates[place as usize]));
             }
         }
     } else {
-        seen.clear();
-        seen.extend(outside.numbers().map(see));
-        let is_itself = of[0] == of[1];
-        for number in looked_at(cells, is_itself) {
-            let mut cell = Candidate::new(cells, number, own, cell_size);
+        candidates.clear();
+        candidates.extend(surface_points.numbers().map(candidate));
+        let is_itself = pair[0] == pair[1];
+        for number in candidate_cells(cells, is_itself) {
+            let mut cell = CandidateCell::new(cells, number, own, cell_size);
             let low = cells.lattice.low(number);
-            for seen in &mut *seen {
-                if !(is_itself && outside.touch(seen.point, low)) {
-                    tests += u64::from(cell.look(seen));
+            for candidate in &mut *candidates {
+                if !(is_itself && surface_points.touch(candidate.point, low)) {
+                    tests += u64::from(cell.test(candidate));
                 }
             }
         }
     }
-    let all_tests = (outside.count() * cells.lattice.cells.len()) as u64;
-    looks.points += seen.len() as u64;
-    looks.tests += tests;
-    looks.tests_saved += all_tests - tests.min(all_tests);
+    let all_tests = (surface_points.count() * cells.lattice.cells.len()) as u64;
+    counts.points += candidates.len() as u64;
+    counts.tests += tests;
+    counts.tests_saved += all_tests - tests.min(all_tests);
 }
 
-/// Returns the ways out of the points that are inside, in their order; `inside` is how many there are.
-fn ways_out<R: Real>(
-    look: Look<'_, R>,
-    [of_points, of_cells]: [usize; 2],
-    seen: &[Seen],
-    inside: usize,
-) -> impl Iterator<Item = Found> {
-    let Look { model, ahead, bodies, .. } = look;
-    let [points, cells] = [of_points, of_cells].map(|number| &model.bodies[number]);
-    let outside = Outside::of(model, [of_points, of_cells]);
-    let is_itself = of_points == of_cells;
-    let is_in = !is_itself && inside as f64 > MOST * outside.count() as f64;
+/// Returns the penetrations of the points that are inside, in their order; `inside_count` is how many there are.
+fn penetrations<R: Real>(
+    search: Search<'_, R>,
+    [point_body, cell_body]: [usize; 2],
+    candidates: &[CandidatePoint],
+    inside_count: usize,
+) -> impl Iterator<Item = Penetration> {
+    let Search { model, positions, bodies, .. } = search;
+    let [points, cells] = [point_body, cell_body].map(|number| &model.bodies[number]);
+    let surface_points = SurfacePoints::of(model, [point_body, cell_body]);
+    let is_itself = point_body == cell_body;
+    let is_mostly_inside = !is_itself && inside_count as f64 > MOSTLY_INSIDE_SHARE * surface_points.count() as f64;
     // Of two bodies in the same place the later one in the list leaves upwards.
-    let upwards = if of_points > of_cells { DVec3::Y } else { DVec3::NEG_Y };
-    let apart = || bodies[of_points].bounds.center() - bodies[of_cells].bounds.center();
-    let away = is_in.then(|| apart().try_normalize().unwrap_or(upwards));
+    let upwards = if point_body > cell_body { DVec3::Y } else { DVec3::NEG_Y };
+    let apart = || bodies[point_body].bounds.center() - bodies[cell_body].bounds.center();
+    let away = is_mostly_inside.then(|| apart().try_normalize().unwrap_or(upwards));
     let skin = cells.samples_among_bodies().filter(|_| !is_itself).and_then(|samples| samples.skin.as_ref());
-    seen.iter().filter(|seen| seen.is_inside()).filter_map(move |seen| {
-        let carriers = cells.lattice.cells[seen.cell as usize];
-        let cell = Cell(carriers.map(|corner| ahead[cells.particles.start + corner as usize]));
-        let outward = || outside.outward(points, seen.point, seen.ahead, &ahead[points.particles.clone()]);
+    candidates.iter().filter(|candidate| candidate.is_inside()).filter_map(move |candidate| {
+        let carriers = cells.lattice.cells[candidate.cell as usize];
+        let cell = Cell(carriers.map(|corner| positions[cells.particles.start + corner as usize]));
+        let outward = || {
+            surface_points.outward(points, candidate.point, candidate.position, &positions[points.particles.clone()])
+        };
         let (normal, depth, nearer) = if let Some(skin) = skin {
-            let (normal, depth) = through_skin(skin, cells, seen, &cell, away.ok_or_else(outward))?;
+            let (normal, depth) = through_skin(skin, cells, candidate, &cell, away.ok_or_else(outward))?;
             (normal, depth, None)
         } else {
-            let sides = sides(&cell, seen.at, &cells.hull().ways[seen.cell as usize]);
+            let sides = sides(&cell, candidate.cell_coordinates, &cells.hull().ways[candidate.cell as usize]);
             let (normal, depth) = match away {
-                Some(away) => way_along(sides, away),
-                None => way_out(sides, outward())?,
+                Some(away) => side_along(sides, away),
+                None => nearest_side(sides, outward())?,
             };
             let nearer = sides.map(|(_, depth)| depth).into_iter().filter(|other| *other < depth).reduce(f64::min);
             (normal, depth, nearer)
         };
-        Some(Found { point: seen.point, carriers, at: seen.at, normal, depth, nearer })
+        Some(Penetration {
+            point: candidate.point,
+            carriers,
+            cell_coordinates: candidate.cell_coordinates,
+            normal,
+            depth,
+            nearer,
+        })
     })
 }
 
@@ -142,16 +151,16 @@ fn ways_out<R: Real>(
 fn through_skin<R: Real>(
     skin: &Skin,
     body: &BodyModel<R>,
-    seen: &Seen,
+    candidate: &CandidatePoint,
     cell: &Cell,
     away: Result<DVec3, DVec3>,
 ) -> Option<(DVec3, f64)> {
     let grid = &body.lattice.grid;
-    let at_rest = grid.corner(body.lattice.low(seen.cell)) + seen.at * grid.cell_size;
+    let at_rest = grid.corner(body.lattice.low(candidate.cell)) + candidate.cell_coordinates * grid.cell_size;
     let shortest = skin.way_out(at_rest)?;
-    let slopes = cell.slopes(seen.at);
+    let jacobian = cell.jacobian(candidate.cell_coordinates);
     // A way in the body at rest is deformed with the cell, and so are its layers, which are thinner where the cell is.
-    let (back, layers) = (slopes.inverse(), slopes.inverse().transpose() * grid.cell_size);
+    let (back, layers) = (jacobian.inverse(), jacobian.inverse().transpose() * grid.cell_size);
     let carried = |WayThrough { normal, depth }| {
         let across = layers * normal;
         let per_metre = across.length();
@@ -168,38 +177,39 @@ fn through_skin<R: Real>(
 }
 
 /// A cell that points may be in.
-struct Candidate {
+struct CandidateCell {
     number: u32,
     cell: Cell,
     /// The box around it, m.
-    around: Aabb<f64>,
+    bounds: Aabb<f64>,
     /// The slabs around it, once a point is in the box.
     slabs: Option<Slabs>,
     /// Its size at rest, m.
     size: f64,
 }
 
-impl Candidate {
+impl CandidateCell {
     /// A cell of a body whose particles are at `own`, m.
     fn new<R: Real>(body: &BodyModel<R>, number: u32, own: &[DVec3], size: f64) -> Self {
-        let around = around(body, number, own).grown(TOLERANCE * size);
+        let bounds = cell_bounds(body, number, own).grown(INSIDE_TOLERANCE * size);
         let cell = Cell(body.lattice.cells[number as usize].map(|corner| own[corner as usize]));
-        Self { number, cell, around, slabs: None, size }
+        Self { number, cell, bounds, slabs: None, size }
     }
 
     /// Tests whether a point is in the cell, and less far outside it than of any before. Returns whether it could be.
-    fn look(&mut self, seen: &mut Seen) -> bool {
-        if seen.outside == 0.0 || !self.around.holds(seen.ahead) {
+    fn test(&mut self, candidate: &mut CandidatePoint) -> bool {
+        if candidate.distance_outside == 0.0 || !self.bounds.holds(candidate.position) {
             return false;
         }
         let slabs = self.slabs.get_or_insert_with(|| self.cell.slabs());
-        if !slabs.hold(seen.ahead) {
+        if !slabs.contain(candidate.position) {
             return true;
         }
-        if let Some(at) = self.cell.locate(seen.ahead, DVec3::splat(0.5), self.size) {
-            let beyond = outside(at);
-            if beyond <= TOLERANCE && beyond < seen.outside {
-                (seen.cell, seen.at, seen.outside) = (self.number, at, if beyond <= NOTHING { 0.0 } else { beyond });
+        if let Some(at) = self.cell.locate(candidate.position, DVec3::splat(0.5), self.size) {
+            let beyond = distance_outside(at);
+            if beyond <= INSIDE_TOLERANCE && beyond < candidate.distance_outside {
+                (candidate.cell, candidate.cell_coordinates, candidate.distance_outside) =
+                    (self.number, at, if beyond <= ROUNDING_TOLERANCE { 0.0 } else { beyond });
             }
         }
         true
@@ -208,11 +218,11 @@ impl Candidate {
 
 /// Whether a way out leads against the outward direction of a point.
 fn leads_out(normal: DVec3, outward: DVec3) -> bool {
-    outward == DVec3::ZERO || outward.dot(normal) < AGAINST
+    outward == DVec3::ZERO || outward.dot(normal) < MAX_OUTWARD_COSINE
 }
 
 /// The normal of the nearest side of a body by which a point may leave, and how deep the point is there, m.
-fn way_out(sides: [(DVec3, f64); 6], outward: DVec3) -> Option<(DVec3, f64)> {
+fn nearest_side(sides: [(DVec3, f64); 6], outward: DVec3) -> Option<(DVec3, f64)> {
     let mut best: Option<(DVec3, f64)> = None;
     for (normal, depth) in sides {
         if leads_out(normal, outward) && best.is_none_or(|(_, least)| depth < least) {
@@ -223,7 +233,7 @@ fn way_out(sides: [(DVec3, f64); 6], outward: DVec3) -> Option<(DVec3, f64)> {
 }
 
 /// The same for the side whose normal is closest to a direction.
-fn way_along([first, others @ ..]: [(DVec3, f64); 6], along: DVec3) -> (DVec3, f64) {
+fn side_along([first, others @ ..]: [(DVec3, f64); 6], along: DVec3) -> (DVec3, f64) {
     let better =
         |best: (DVec3, f64), side: (DVec3, f64)| if side.0.dot(along) > best.0.dot(along) { side } else { best };
     others.into_iter().fold(first, better)
@@ -233,7 +243,7 @@ fn way_along([first, others @ ..]: [(DVec3, f64); 6], along: DVec3) -> (DVec3, f
 /// sides are along the axes of the cell, `ways` cells away; they are deformed as the cell is at the place.
 fn sides(cell: &Cell, at: DVec3, ways: &[u32; 6]) -> [(DVec3, f64); 6] {
     // How the place changes with the point: the normals of the cell's layers, longer where these are thinner.
-    let layers = cell.slopes(at).inverse().transpose();
+    let layers = cell.jacobian(at).inverse().transpose();
     std::array::from_fn(|way| {
         let (axis, is_up) = (way / 2, way % 2 == 1);
         let across = layers.col(axis);

@@ -13,38 +13,38 @@
 
 use glam::{DMat3, DVec3};
 
-use super::buckets::Seen;
-use super::cell::{Cell, outside};
+use super::buckets::CandidatePoint;
+use super::cell::{Cell, distance_outside};
 use super::points::PointsWorkspace;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::BodyModel;
 
 /// A body is near itself where a point is within some distance of a cell: at least this, in cells.
-const NEAR: f64 = 0.5;
+const MIN_NEAR_DISTANCE: f64 = 0.5;
 
 /// That distance exceeds how far particles move past each other in a substep by this, for what forces add to it, in cells.
 const MARGIN: f64 = 0.3;
 
 /// Largest such distance, in cells: less than the distance at rest. A point that moves further in a substep may be caught late,
 /// inside.
-const FURTHEST: f64 = 0.8;
+const MAX_NEAR_DISTANCE: f64 = 0.8;
 
 /// Larger distances are not measured, in cells.
-const MEASURED: f64 = 1.0;
+const MAX_MEASURED_DISTANCE: f64 = 1.0;
 
 /// About this many particles are used to find how a body is deformed as a whole.
-const SAMPLES: usize = 300;
+const FITTED_PARTICLES: usize = 300;
 
 /// Whether a body at these positions (m) is near itself, and how far its particles may move past each other until the next
-/// look, in cells; they move by `way` in a substep.
-pub(super) fn look<R: Real>(
+/// look, in cells; they move by `displacement` in a substep.
+pub(super) fn check<R: Real>(
     body: &BodyModel<R>,
     position: &[R::Vec3],
-    way: f64,
+    displacement: f64,
     workspace: &mut PointsWorkspace,
 ) -> (bool, f64) {
-    let near = (MARGIN + way).clamp(NEAR, FURTHEST);
-    let distance = match least_distance(body, position) {
+    let near = (MARGIN + displacement).clamp(MIN_NEAR_DISTANCE, MAX_NEAR_DISTANCE);
+    let distance = match distance_lower_bound(body, position) {
         Some(distance) if distance > near => distance,
         _ => measured_distance(body, position, workspace),
     };
@@ -54,11 +54,12 @@ pub(super) fn look<R: Real>(
 
 /// Returns a lower bound of the distance between points and cells that meet, in cells; a good one where a body is deformed much
 /// alike all over, none where it is flat.
-fn least_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> Option<f64> {
+fn distance_lower_bound<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> Option<f64> {
     let (size, corners) = (body.lattice.grid.cell_size, &body.lattice.corners);
     let corner = |particle: usize| DVec3::from(corners[particle].map(f64::from));
-    let some =
-        || (0..position.len()).step_by(1 + position.len() / SAMPLES).map(|p| (position[p].to_dvec3(), corner(p)));
+    let some = || {
+        (0..position.len()).step_by(1 + position.len() / FITTED_PARTICLES).map(|p| (position[p].to_dvec3(), corner(p)))
+    };
     let mean = 1.0 / some().count() as f64;
     let sum = some().fold([DVec3::ZERO; 2], |[at, was], (x, corner)| [at + x, was + corner]);
     let [middle, middle_at_rest] = sum.map(|sum| sum * mean);
@@ -80,24 +81,24 @@ fn least_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3]) -> Option<
     distance.is_finite().then_some(distance)
 }
 
-/// Returns the same distance, measured point by point and cell by cell, up to [`MEASURED`].
+/// Returns the same distance, measured point by point and cell by cell, up to [`MAX_MEASURED_DISTANCE`].
 fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspace: &mut PointsWorkspace) -> f64 {
     let (hull, size) = (body.hull(), body.lattice.grid.cell_size);
-    let PointsWorkspace { seen, buckets, sorted, .. } = workspace;
+    let PointsWorkspace { candidates, buckets, sorted, .. } = workspace;
     let at = |particle: u32| position[particle as usize].to_dvec3();
-    seen.clear();
-    seen.extend((0..).zip(&hull.points).map(|(point, particle)| Seen::of(point, at(*particle))));
-    let bounds = Aabb::<f64>::around(seen.iter().map(|seen| seen.ahead));
+    candidates.clear();
+    candidates.extend((0..).zip(&hull.points).map(|(point, particle)| CandidatePoint::new(point, at(*particle))));
+    let bounds = Aabb::<f64>::around(candidates.iter().map(|candidate| candidate.position));
     if !(bounds.min.is_finite() && bounds.max.is_finite()) {
-        return MEASURED;
+        return MAX_MEASURED_DISTANCE;
     }
-    buckets.sort(seen, &bounds, size);
+    buckets.sort(candidates, &bounds, size);
     sorted.clear();
     sorted.extend(buckets.order().iter().map(|place| {
-        let Seen { point, ahead, .. } = seen[*place];
-        (ahead, hull.surroundings[point as usize])
+        let CandidatePoint { point, position, .. } = candidates[*place];
+        (position, hull.surroundings[point as usize])
     }));
-    let mut least = MEASURED;
+    let mut least = MAX_MEASURED_DISTANCE;
     // A point comes near one of these cells before it comes near one further inside.
     for number in hull.outer.iter().copied().filter(|cell| hull.ways[*cell as usize].contains(&0)) {
         let cell = Cell(body.lattice.cells[number as usize].map(at));
@@ -113,7 +114,7 @@ fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspa
                 continue;
             }
             let place = cell.locate(*point, DVec3::splat(0.5), size);
-            least = least.min(place.map_or(boxed, outside).max(boxed));
+            least = least.min(place.map_or(boxed, distance_outside).max(boxed));
         }
     }
     least

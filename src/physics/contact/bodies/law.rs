@@ -1,7 +1,7 @@
 //! How two bodies push each other and rub: one law for a pair of them.
 
 use crate::math::Real;
-use crate::physics::contact::weighted::{DEPTH_SHARE, GENTLE_SHARE, PointLaw, STIFFNESS_OVER_MASS};
+use crate::physics::contact::weighted::{DEPTH_SHARE, PARTING_SPEED_SHARE, PointLaw, STIFFNESS_OVER_MASS};
 use crate::physics::model::Model;
 
 /// No point is pressed deeper than [`DEPTH_SHARE`] of the smaller body, nor than this share of the smaller cell.
@@ -18,5 +18,12 @@ pub(in crate::physics) fn pair_law<R: Real>(model: &Model<R>, bodies: [usize; 2]
     let load = a.load + b.load;
     let stiffness = (STIFFNESS_OVER_MASS * a.heaviest.max(b.heaviest)).max(load / depth_limit);
     let friction = [0, 1].map(|which| (a.friction[which] * b.friction[which]).sqrt());
-    PointLaw { stiffness, damping_ratio: 1.0, depth_limit, load, gentle: GENTLE_SHARE * size, friction }
+    PointLaw {
+        stiffness,
+        damping_ratio: 1.0,
+        depth_limit,
+        load,
+        max_parting_speed: PARTING_SPEED_SHARE * size,
+        friction,
+    }
 }

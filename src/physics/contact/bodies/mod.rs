@@ -7,13 +7,14 @@
 //! find        which points would be inside which cells at its end, and the way out: a distance field of the body at rest
 //!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); pairs that are near are kept for a while
 //!             (neighbours, buckets)
-//! outside     the points that meet cells: particles of the outside or points of the mesh
+//! surface_points
+//!             the points that meet cells: particles of the outside or points of the mesh
 //! (weighted)  each is a contact of nine or sixteen weighted particles with one effective mass; point and cell get opposite
 //!             forces at the same place, so that momentum and angular momentum stay as they are; a spring with critical
 //!             damping taken implicitly and Coulomb friction; all contacts are solved together, in a fixed order; how far
 //!             each spring is pressed is in the state
 //! points      workspace and results for the points of one body
-//! meeting     turns the points found into contacts, with the shares of particles and modal bodies in each
+//! pair        turns the points found into contacts, with the shares of particles and modal bodies in each
 //! record      contacts, to be drawn and counted
 //! ```
 //!
@@ -29,19 +30,19 @@
 //! are on its outside; points are found where they would be at the end, so that a body that comes is stopped before it is
 //! inside.
 
-mod ahead;
 mod buckets;
 mod cell;
 mod find;
 mod itself;
 mod law;
-mod meeting;
 mod motion;
 mod near;
 mod neighbours;
-mod outside;
+mod pair;
 mod points;
+mod predicted;
 mod record;
+mod surface_points;
 mod workspace;
 
 pub(in crate::physics) use law::pair_law;
@@ -52,8 +53,8 @@ pub(in crate::physics) use workspace::BodiesWorkspace;
 
 use glam::DVec3;
 
-use self::find::Look;
-use self::meeting::Meeting;
+use self::find::Search;
+use self::pair::BodyPair;
 use self::points::PointsWorkspace;
 use super::weighted::{self, ModalBodies, Mover, PointConstraint, PointLaw};
 use crate::math::{Aabb, Real, Vector};
@@ -74,9 +75,9 @@ pub(in crate::physics) fn meet<R: Real>(
 ) {
     let Substep { model, state, plan, .. } = substep;
     workspace.make_room(model);
-    workspace.keep_of_sleepers(model, plan, state);
+    workspace.keep_sleeping_contacts(model, plan, state);
     recorder.enter(Stage::BroadPhase);
-    look_ahead(substep, velocity, modal, workspace);
+    predict_motion(substep, velocity, modal, workspace);
     let kept = workspace.contacts.len();
     workspace.constraints.clear();
     workspace.movers.clear();
@@ -84,13 +85,13 @@ pub(in crate::physics) fn meet<R: Real>(
     find_points(substep, workspace, recorder);
     recorder.enter(Stage::Contact);
     constrain(substep, velocity, modal, workspace);
-    let BodiesWorkspace { constraints, movers, contacts, presses, moved, .. } = &mut *workspace;
+    let BodiesWorkspace { constraints, movers, contacts, presses, changed_velocities, .. } = &mut *workspace;
     let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
     recorder.counters.body_contacts += constraints.len() as u64;
     weighted::solve(constraints, movers, modal, dt);
     for (contact, constraint) in contacts[kept..].iter_mut().zip(constraints) {
         contact.force = constraint.impulse() / dt;
-        let along = -(contact.gap + dt * constraint.past(movers).dot(contact.normal));
+        let along = -(contact.gap + dt * constraint.relative_velocity(movers).dot(contact.normal));
         deepest = deepest.max(contact.nearer.map_or(along, |nearer| along.min(nearer)));
         let BodyContact { bodies, point, .. } = *contact;
         presses.push(Press { bodies, point, depth_m: constraint.pressed_at_end(movers, dt) });
@@ -98,27 +99,27 @@ pub(in crate::physics) fn meet<R: Real>(
     presses.sort_unstable_by_key(Press::place);
     recorder.note_depth_between_bodies(deepest);
     for (mover, now) in movers.all.iter().zip(&movers.velocity) {
-        if *now != mover.before {
+        if *now != mover.predicted_velocity {
             let (particle, after) = (mover.particle as usize, R::Vec3::from_dvec3(*now));
             velocity[particle] = after;
-            moved.push((particle, after));
+            changed_velocities.push((particle, after));
         }
     }
     for mover in movers.modal.all() {
-        modal.take(mover.body, &mover.change);
+        modal.apply_change(mover.body, &mover.change);
     }
     // Contacts of a pair follow each other.
     for of_pair in workspace.contacts[kept..].chunk_by(|one, next| one.bodies == next.bodies) {
         let (pair, has_pushed) = (of_pair[0].bodies, of_pair.iter().any(|contact| contact.force != DVec3::ZERO));
-        if has_pushed && !workspace.met.contains(&pair) {
-            workspace.met.push(pair);
+        if has_pushed && !workspace.pushed_pairs.contains(&pair) {
+            workspace.pushed_pairs.push(pair);
         }
     }
-    recorder.last.body_contacts = workspace.pushing();
+    recorder.last.body_contacts = workspace.pushing_count();
 }
 
 /// Counts the work of parting bodies, once the velocities at the end are known: obstacles may have changed them since.
-pub(in crate::physics) fn count_parting<R: Real>(
+pub(in crate::physics) fn count_parting_work<R: Real>(
     substep: Substep<'_, R>,
     velocity: &[R::Vec3],
     workspace: &BodiesWorkspace<R>,
@@ -128,7 +129,7 @@ pub(in crate::physics) fn count_parting<R: Real>(
     let mean = |mover: &Mover| {
         let particle = mover.particle as usize;
         let both = state.velocity[particle].to_dvec3() + velocity[particle].to_dvec3();
-        if mover.mobility > 0.0 { both * 0.5 } else { mover.before }
+        if mover.mobility > 0.0 { both * 0.5 } else { mover.predicted_velocity }
     };
     let work = |constraint: &PointConstraint| constraint.parting_work(mean, &workspace.movers, dt.to_f64());
     recorder.counters.parting_work_j += workspace.constraints.iter().map(work).sum::<f64>();
@@ -142,7 +143,7 @@ fn find_pairs<R: Real>(substep: Substep<'_, R>, modal: &impl ModalBodies, worksp
         for first in 0..second {
             let pair = [first, second];
             let moves = pair.iter().any(|body| !state.bodies[*body].asleep || modal.moves(*body));
-            if moves && near::may_meet(model, state, pair) && overlap(workspace, plan.broad_phase, pair) {
+            if moves && near::may_meet(model, state, pair) && boxes_overlap(workspace, plan.broad_phase, pair) {
                 workspace.pairs.extend([[first, second], [second, first]]);
             }
         }
@@ -150,23 +151,23 @@ fn find_pairs<R: Real>(substep: Substep<'_, R>, modal: &impl ModalBodies, worksp
     workspace.pairs.extend(near::near_themselves(model, state).map(|body| [body, body]));
     workspace.points.iter_mut().for_each(PointsWorkspace::clear);
     for [points, cells] in &workspace.pairs {
-        workspace.points[*points].cells.push(*cells);
+        workspace.points[*points].cell_bodies.push(*cells);
     }
 }
 
 /// Finds which points of each body meet which cells of others, or of itself.
 fn find_points<R: Real>(substep: Substep<'_, R>, workspace: &mut BodiesWorkspace<R>, recorder: &mut Recorder<'_>) {
     let Substep { model, plan, .. } = substep;
-    let BodiesWorkspace { ahead, bodies, neighbours, pairs, points, .. } = workspace;
+    let BodiesWorkspace { predicted_positions, predicted_bodies, stored_positions, pairs, points, .. } = workspace;
     if plan.broad_phase {
-        neighbours.follow(plan, model, ahead);
-        neighbours.keep_up(model, pairs, ahead);
+        stored_positions.update_displacements(plan, model, predicted_positions);
+        stored_positions.renew_outdated(model, pairs, predicted_positions);
     }
-    let neighbours = plan.broad_phase.then_some(&*neighbours);
-    let look = Look { model, ahead, bodies, neighbours };
+    let stored_positions = plan.broad_phase.then_some(&*stored_positions);
+    let search = Search { model, positions: predicted_positions, bodies: predicted_bodies, stored_positions };
     team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (&mut points[..], ()), |these, points, ()| {
         for (number, points) in these.zip(points) {
-            find::find_points(look, number, points);
+            find::find_points(search, number, points);
         }
     });
     for points in &*points {
@@ -183,40 +184,41 @@ fn constrain<R: Real>(
 ) {
     // Taken out, so that contacts may be added to the workspace meanwhile.
     let (pairs, points) = (std::mem::take(&mut workspace.pairs), std::mem::take(&mut workspace.points));
-    for &[of_point, of_cell] in &pairs {
-        let (inside, found) = points[of_point].found(of_cell);
-        let damping_ratio = damping_ratio([of_point, of_cell], modal, inside);
-        let law = PointLaw { damping_ratio, ..pair_law(substep.model, [of_point, of_cell]) };
-        let meeting = Meeting { substep, of_point, of_cell, law, velocity };
-        for found in found {
-            meeting.add(found, modal, workspace);
+    for &[point_body, cell_body] in &pairs {
+        let (inside_count, penetrations) = points[point_body].penetrations(cell_body);
+        let damping_ratio = damping_ratio([point_body, cell_body], modal, inside_count);
+        let law = PointLaw { damping_ratio, ..pair_law(substep.model, [point_body, cell_body]) };
+        let pair = BodyPair { substep, point_body, cell_body, law, velocity };
+        for penetration in penetrations {
+            pair.add(penetration, modal, workspace);
         }
     }
     (workspace.pairs, workspace.points) = (pairs, points);
 }
 
 /// Keeps only the contacts of sleeping bodies: no others meet within this substep.
-pub(in crate::physics) fn keep_apart<R: Real>(
+pub(in crate::physics) fn skip_contact<R: Real>(
     substep: Substep<'_, R>,
     workspace: &mut BodiesWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    workspace.keep_of_sleepers(substep.model, substep.plan, substep.state);
-    recorder.last.body_contacts = workspace.pushing();
+    workspace.keep_sleeping_contacts(substep.model, substep.plan, substep.state);
+    recorder.last.body_contacts = workspace.pushing_count();
     recorder.note_depth_between_bodies(0.0);
 }
 
-/// Damping ratio of the springs of one body's points in another, of which `inside` are inside. Two modal bodies have no particle
+/// Damping ratio of the springs of one body's points in another, of which `inside_count` are inside. Two modal bodies have no
+/// particle
 /// that a spring could stop on its own: all points of one in the other are together damped as a single one would be.
-fn damping_ratio(pair: [usize; 2], modal: &mut impl ModalBodies, inside: usize) -> f64 {
+fn damping_ratio(pair: [usize; 2], modal: &mut impl ModalBodies, inside_count: usize) -> f64 {
     if !pair.iter().all(|body| modal.moves(*body)) {
         return 1.0;
     }
-    pair.map(|body| modal.damping_ratio(body)).into_iter().fold(1.0, f64::min) / (inside.max(1) as f64).sqrt()
+    pair.map(|body| modal.damping_ratio(body)).into_iter().fold(1.0, f64::min) / (inside_count.max(1) as f64).sqrt()
 }
 
 /// Finds where everything would be at the end of the substep.
-fn look_ahead<R: Real>(
+fn predict_motion<R: Real>(
     substep: Substep<'_, R>,
     velocity: &[R::Vec3],
     modal: &mut impl ModalBodies,
@@ -224,11 +226,11 @@ fn look_ahead<R: Real>(
 ) {
     let Substep { model, state, plan, dt, .. } = substep;
     let dt = dt.to_f64();
-    for (number, body) in workspace.bodies.iter_mut().enumerate() {
+    for (number, body) in workspace.predicted_bodies.iter_mut().enumerate() {
         body.is_modal = modal.moves(number);
     }
-    let to = (&mut workspace.bodies[..], &mut workspace.ahead[..]);
-    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, to, |these, bodies, ahead| {
+    let to = (&mut workspace.predicted_bodies[..], &mut workspace.predicted_positions[..]);
+    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, to, |these, bodies, predicted_positions| {
         let first = model.bodies[these.start].particles.start;
         for (number, of_body) in these.zip(bodies) {
             let body = &model.bodies[number];
@@ -237,7 +239,7 @@ fn look_ahead<R: Real>(
                 continue;
             }
             let mut sum = DVec3::ZERO;
-            let own = &mut ahead[body.particles.start - first..body.particles.end - first];
+            let own = &mut predicted_positions[body.particles.start - first..body.particles.end - first];
             for (particle, to) in body.particles.clone().zip(&mut *own) {
                 let fast = if state.bodies[number].asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() };
                 *to = state.position[particle].to_dvec3() + fast * dt;
@@ -247,15 +249,19 @@ fn look_ahead<R: Real>(
             (of_body.bounds, of_body.drift) = (bounds::<f64>(plan.simd, own), drift);
         }
     });
-    for (number, body) in workspace.bodies.iter_mut().enumerate().filter(|(_, body)| body.is_modal) {
-        (body.bounds, body.drift) = (modal.around(number), modal.drift(number));
+    for (number, body) in workspace.predicted_bodies.iter_mut().enumerate().filter(|(_, body)| body.is_modal) {
+        (body.bounds, body.drift) = (modal.motion_bounds(number), modal.drift(number));
     }
     for (number, body) in model.bodies.iter().enumerate() {
-        if workspace.bodies[number].is_modal {
+        if workspace.predicted_bodies[number].is_modal {
             let region = region_of_others(substep, workspace, number);
-            let BodiesWorkspace { modal_now, ahead, .. } = &mut *workspace;
+            let BodiesWorkspace { modal_positions, predicted_positions, .. } = &mut *workspace;
             let own = body.particles.clone();
-            modal.look_ahead(number, &region, [&mut modal_now[own.clone()], &mut ahead[own]]);
+            modal.predict_positions(
+                number,
+                &region,
+                [&mut modal_positions[own.clone()], &mut predicted_positions[own]],
+            );
         }
     }
 }
@@ -267,12 +273,12 @@ fn region_of_others<R: Real>(substep: Substep<'_, R>, workspace: &BodiesWorkspac
         return Aabb { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
     }
     let others = (0..model.bodies.len()).filter(|other| *other != body && near::may_meet(model, state, [body, *other]));
-    let near = others.filter(|other| overlap(workspace, true, [body, *other]));
-    near.fold(Aabb::empty(), |region, other| region.joined(workspace.bodies[other].bounds))
+    let near = others.filter(|other| boxes_overlap(workspace, true, [body, *other]));
+    near.fold(Aabb::empty(), |region, other| region.joined(workspace.predicted_bodies[other].bounds))
 }
 
-fn overlap<R: Real>(workspace: &BodiesWorkspace<R>, is_broad: bool, pair: [usize; 2]) -> bool {
-    let [one, other] = pair.map(|body| &workspace.bodies[body].bounds);
+fn boxes_overlap<R: Real>(workspace: &BodiesWorkspace<R>, is_broad: bool, pair: [usize; 2]) -> bool {
+    let [one, other] = pair.map(|body| &workspace.predicted_bodies[body].bounds);
     // A box that is not finite overlaps nothing, and the step is abandoned for it.
     let is_finite = |bounds: &Aabb<f64>| bounds.min.is_finite() && bounds.max.is_finite();
     is_finite(one) && is_finite(other) && (!is_broad || one.overlaps(other))

@@ -18,16 +18,16 @@ use crate::physics::team::{self, FEWEST_THAT_MEET};
 
 /// In a part of a substep points travel no further, relative to what they may meet, than this share of the smaller cell, or of
 /// the thickness of a mesh that is thinner.
-const LONGEST_WAY: f64 = 0.5;
+const MAX_TRAVEL_SHARE: f64 = 0.5;
 
 /// No part of a mesh is taken to be thinner than this, in cells.
-const THINNEST: f64 = 0.1;
+const MIN_THICKNESS_SHARE: f64 = 0.1;
 
 /// Boxes are grown by this share of the smaller cell, for what forces add to the motion within a substep.
 const MARGIN: f64 = 0.25;
 
 /// Most parts that a substep is divided into for that: at 1 ms and cells of 1 cm bodies are caught that meet at 1280 m/s.
-const MOST_PARTS: u32 = 256;
+const MAX_PARTS: u32 = 256;
 
 /// Returns into how many parts the coming substep of `secs` has to be divided for bodies that come near each other or
 /// themselves; none where none do. Wakes sleeping bodies where a moving one comes.
@@ -42,13 +42,13 @@ pub(in crate::physics) fn parts<R: Real>(
     if !state.bodies.iter().any(|memory| sleep::moves(model, plan, memory)) {
         return None;
     }
-    look_at_each(model, plan, secs, state, workspace);
+    update_self_proximity(model, plan, secs, state, workspace);
     let (mut longest, mut are_near) = (0.0_f64, false);
     for number in near_themselves(model, state) {
         are_near = true;
         let body = &model.bodies[number];
-        let way = workspace.spreads[number] * secs;
-        longest = longest.max(way / (LONGEST_WAY * body.lattice.grid.cell_size));
+        let travel = workspace.relative_speeds[number] * secs;
+        longest = longest.max(travel / (MAX_TRAVEL_SHARE * body.lattice.grid.cell_size));
     }
     let secs = R::from_f64(secs);
     let motions = &mut workspace.motions;
@@ -78,8 +78,9 @@ pub(in crate::physics) fn parts<R: Real>(
             wake(model, plan, state, pair);
             let thickness = pair.map(|body| thickness(&model.bodies[body]));
             let apart = |a: &Aabb<R>, b: &Aabb<R>| (a.max - b.min).max(R::Vec3::ZERO);
-            let way = apart(&one.velocity, &other.velocity).max(apart(&other.velocity, &one.velocity)).length() * secs;
-            longest = longest.max(way.to_f64() / (LONGEST_WAY * thickness[0].min(thickness[1])));
+            let travel =
+                apart(&one.velocity, &other.velocity).max(apart(&other.velocity, &one.velocity)).length() * secs;
+            longest = longest.max(travel.to_f64() / (MAX_TRAVEL_SHARE * thickness[0].min(thickness[1])));
         }
     }
     if !are_near {
@@ -89,15 +90,15 @@ pub(in crate::physics) fn parts<R: Real>(
         return Some(1);
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
-    let by_way = (libm::ceil(longest) as u32).min(MOST_PARTS);
-    Some(parts.max(by_way))
+    let by_travel = (libm::ceil(longest) as u32).min(MAX_PARTS);
+    Some(parts.max(by_travel))
 }
 
 /// Returns the least thickness of a body that others might pass through, m: that of a cell, or of a mesh that is thinner.
 fn thickness<R: Real>(body: &BodyModel<R>) -> f64 {
     let cell = body.lattice.grid.cell_size;
     let skin = body.samples_among_bodies().and_then(|samples| samples.skin.as_ref());
-    skin.map_or(cell, |skin| skin.thickness().clamp(THINNEST * cell, cell))
+    skin.map_or(cell, |skin| skin.thickness().clamp(MIN_THICKNESS_SHARE * cell, cell))
 }
 
 /// Whether two bodies meet at all: neither has fallen out of the scene, and both are set to meet others.
@@ -117,7 +118,7 @@ pub(super) fn near_themselves<R: Real>(model: &Model<R>, state: &State<R>) -> im
 
 /// Tests which bodies are near themselves. Looks only at bodies whose particles may, in the coming substep of `secs`, have moved
 /// past each other by as much as the last look allowed.
-fn look_at_each<R: Real>(
+fn update_self_proximity<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     secs: f64,
@@ -126,7 +127,7 @@ fn look_at_each<R: Real>(
 ) {
     // Where there is no room for contact yet, a look makes its own.
     workspace.points.resize_with(model.bodies.len(), PointsWorkspace::default);
-    let (spreads, position) = (&workspace.spreads, &state.position);
+    let (relative_speeds, position) = (&workspace.relative_speeds, &state.position);
     let of_bodies = (&mut state.bodies[..], &mut workspace.points[..]);
     team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (of_bodies, ()), |these, (memories, points), ()| {
         for ((number, memory), points) in these.zip(memories).zip(points) {
@@ -134,11 +135,11 @@ fn look_at_each<R: Real>(
             if !body.meets_itself() || memory.asleep {
                 continue;
             }
-            let way = spreads[number] * secs / body.lattice.grid.cell_size;
-            memory.apart -= way;
+            let travel = relative_speeds[number] * secs / body.lattice.grid.cell_size;
+            memory.apart -= travel;
             if memory.apart.is_nan() || memory.apart <= 0.0 {
                 let position = &position[body.particles.clone()];
-                (memory.near_itself, memory.apart) = itself::look(body, position, way, points);
+                (memory.near_itself, memory.apart) = itself::check(body, position, travel, points);
             }
         }
     });

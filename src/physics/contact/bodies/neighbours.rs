@@ -11,9 +11,9 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::buckets::{Buckets, Seen};
-use super::cell::TOLERANCE;
-use super::outside::Outside;
+use super::buckets::{Buckets, CandidatePoint};
+use super::cell::INSIDE_TOLERANCE;
+use super::surface_points::SurfacePoints;
 use crate::math::{Aabb, Real};
 use crate::physics::kernels::bounds_of_ways;
 use crate::physics::model::plan::Plan;
@@ -24,10 +24,10 @@ use crate::physics::team;
 const MARGIN: f64 = 0.15;
 
 /// The share of the margin that is used: the rest is for rounding error.
-const USED: f64 = 0.999;
+const USED_MARGIN_SHARE: f64 = 0.999;
 
 /// A way is taken to be longer by this share of the margin, for rounding error in the distances of a list.
-const ROUNDING: f64 = 1e-3;
+const ROUNDING_SHARE: f64 = 1e-3;
 
 /// A point that may be in a cell.
 #[derive(Clone, Copy, Debug)]
@@ -37,25 +37,25 @@ pub(super) struct Neighbour {
     /// The point's place among those of the list.
     pub(super) place: u32,
     /// How far outside the box around the cell the point was when the list was made, m; negative inside.
-    beyond: f32,
+    distance_outside: f32,
 }
 
 /// The list of a pair, as it is searched.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Listed<'a> {
+pub(super) struct NeighbourListView<'a> {
     /// The points that may be in cells, by their numbers on the outside of their body.
     pub(super) points: &'a [u32],
     /// By cell, ascending.
-    pairs: &'a [Neighbour],
+    neighbours: &'a [Neighbour],
     /// How far the bodies may have moved past each other since, m.
-    way: f32,
+    displacement: f32,
 }
 
-impl<'a> Listed<'a> {
+impl<'a> NeighbourListView<'a> {
     /// The points that may be in each cell by now, for the cells with any.
     pub(super) fn by_cell(self) -> impl Iterator<Item = (u32, impl Iterator<Item = u32> + use<'a>)> {
-        let may_be_in = move |neighbour: &&Neighbour| neighbour.beyond <= self.way;
-        let cells = self.pairs.chunk_by(|one, next| one.cell == next.cell);
+        let may_be_in = move |neighbour: &&Neighbour| neighbour.distance_outside <= self.displacement;
+        let cells = self.neighbours.chunk_by(|one, next| one.cell == next.cell);
         cells.filter_map(move |of_cell| {
             let first = of_cell.iter().position(|neighbour| may_be_in(&neighbour))?;
             let places = of_cell[first..].iter().filter(may_be_in).map(|neighbour| neighbour.place);
@@ -66,58 +66,64 @@ impl<'a> Listed<'a> {
 
 /// Where bodies were when lists were made, and how far they have moved since.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Neighbours {
+pub(super) struct StoredPositions {
     /// The stored positions of the particles of each body, m.
-    then: Vec<DVec3>,
+    positions: Vec<DVec3>,
     /// The box around the displacements of each body since, m.
-    moved: Vec<Aabb<f64>>,
+    displacement_bounds: Vec<Aabb<f64>>,
     /// How often the positions of each body were stored.
-    times: Vec<u32>,
+    store_counts: Vec<u32>,
 }
 
-impl Neighbours {
+impl StoredPositions {
     /// Makes room for this many particles and bodies.
     pub(super) fn new(particles: usize, bodies: usize) -> Self {
-        Self { then: Vec::with_capacity(particles), moved: Vec::with_capacity(bodies), times: vec![0; bodies] }
+        Self {
+            positions: Vec::with_capacity(particles),
+            displacement_bounds: Vec::with_capacity(bodies),
+            store_counts: vec![0; bodies],
+        }
     }
 
-    /// Updates the displacements; `ahead` is where particles would be at the end of the substep, m.
-    pub(super) fn follow<R: Real>(&mut self, plan: &Plan, model: &Model<R>, ahead: &[DVec3]) {
-        if self.then.len() != ahead.len() {
-            self.then.clear();
-            self.then.extend_from_slice(ahead);
-            self.moved.clear();
-            self.moved.resize(model.bodies.len(), NOWHERE);
-            self.times.iter_mut().for_each(|times| *times = times.wrapping_add(1));
+    /// Updates the displacements; `predicted` is where particles would be at the end of the substep, m.
+    pub(super) fn update_displacements<R: Real>(&mut self, plan: &Plan, model: &Model<R>, predicted: &[DVec3]) {
+        if self.positions.len() != predicted.len() {
+            self.positions.clear();
+            self.positions.extend_from_slice(predicted);
+            self.displacement_bounds.clear();
+            self.displacement_bounds.resize(model.bodies.len(), NO_DISPLACEMENT);
+            self.store_counts.iter_mut().for_each(|count| *count = count.wrapping_add(1));
             return;
         }
-        let then = &self.then;
-        team::by_bodies(plan.threads, model, &mut self.moved, |part, moved| {
-            for (body, moved) in model.bodies[part].iter().zip(moved) {
-                let [then, now] = [then, ahead].map(|of| &of[body.particles.clone()]);
-                *moved = bounds_of_ways::<f64>(plan.simd, then, now);
+        let stored = &self.positions;
+        team::by_bodies(plan.threads, model, &mut self.displacement_bounds, |part, displacements| {
+            for (body, displacements) in model.bodies[part].iter().zip(displacements) {
+                let [stored, now] = [stored, predicted].map(|of| &of[body.particles.clone()]);
+                *displacements = bounds_of_ways::<f64>(plan.simd, stored, now);
             }
         });
     }
 
     /// Stores positions anew where the bodies of a pair have moved past each other by more than the margin, so that their lists
     /// are rebuilt. Renews only the body that moved further, and the other where that is not enough.
-    pub(super) fn keep_up<R: Real>(&mut self, model: &Model<R>, pairs: &[[usize; 2]], ahead: &[DVec3]) {
+    pub(super) fn renew_outdated<R: Real>(&mut self, model: &Model<R>, pairs: &[[usize; 2]], predicted: &[DVec3]) {
         loop {
             let mut has_renewed = false;
-            for of in pairs {
-                let mut order = *of;
-                order.sort_by(|one, other| self.furthest(*other).total_cmp(&self.furthest(*one)));
+            for pair in pairs {
+                let mut order = *pair;
+                order.sort_by(|one, other| {
+                    self.largest_displacement(*other).total_cmp(&self.largest_displacement(*one))
+                });
                 for body in order {
                     // A NaN distance counts as too far.
-                    let way = self.way(*of);
-                    if !way.is_nan() && way <= USED * margin(model, *of) {
+                    let displacement = self.relative_displacement(*pair);
+                    if !displacement.is_nan() && displacement <= USED_MARGIN_SHARE * margin(model, *pair) {
                         break;
                     }
                     let own = model.bodies[body].particles.clone();
-                    self.then[own.clone()].copy_from_slice(&ahead[own]);
-                    self.moved[body] = NOWHERE;
-                    self.times[body] = self.times[body].wrapping_add(1);
+                    self.positions[own.clone()].copy_from_slice(&predicted[own]);
+                    self.displacement_bounds[body] = NO_DISPLACEMENT;
+                    self.store_counts[body] = self.store_counts[body].wrapping_add(1);
                     has_renewed = true;
                 }
             }
@@ -129,25 +135,25 @@ impl Neighbours {
     }
 
     /// How far a body has moved along an axis at most, m.
-    fn furthest(&self, body: usize) -> f64 {
-        let Aabb { min, max } = self.moved[body];
+    fn largest_displacement(&self, body: usize) -> f64 {
+        let Aabb { min, max } = self.displacement_bounds[body];
         max.max(-min).max_element()
     }
 
     /// How far the points of one body may have moved past the cells of another since the positions of both were stored, m.
-    fn way(&self, of: [usize; 2]) -> f64 {
-        let [points, cells] = of.map(|body| self.moved[body]);
+    fn relative_displacement(&self, pair: [usize; 2]) -> f64 {
+        let [points, cells] = pair.map(|body| self.displacement_bounds[body]);
         (points.max - cells.min).max(cells.max - points.min).max_element()
     }
 
     /// How often the positions of the two bodies of a pair were stored.
-    fn times(&self, of: [usize; 2]) -> [u32; 2] {
-        of.map(|body| self.times[body])
+    fn store_counts(&self, pair: [usize; 2]) -> [u32; 2] {
+        pair.map(|body| self.store_counts[body])
     }
 }
 
 /// No displacement.
-const NOWHERE: Aabb<f64> = Aabb { min: DVec3::ZERO, max: DVec3::ZERO };
+const NO_DISPLACEMENT: Aabb<f64> = Aabb { min: DVec3::ZERO, max: DVec3::ZERO };
 
 /// How far the bodies of a pair may move past each other until their list is rebuilt, m.
 fn margin<R: Real>(model: &Model<R>, [_, cells]: [usize; 2]) -> f64 {
@@ -156,76 +162,83 @@ fn margin<R: Real>(model: &Model<R>, [_, cells]: [usize; 2]) -> f64 {
 
 /// The list of one body's points and the cells of another.
 #[derive(Clone, Debug)]
-struct List {
+struct NeighbourList {
     /// The body whose cells they are.
-    cells: usize,
+    cell_body: usize,
     /// How often the positions of the two bodies had been stored when it was made.
-    times: [u32; 2],
+    store_counts: [u32; 2],
     points: Range<usize>,
-    pairs: Range<usize>,
+    neighbours: Range<usize>,
 }
 
 /// All lists of one body's points.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Lists {
-    made: Vec<List>,
+pub(super) struct NeighbourLists {
+    lists: Vec<NeighbourList>,
     /// The points of all lists by their numbers on the outside, ascending in each list.
     points: Vec<u32>,
     /// By cell in each list, ascending.
-    pairs: Vec<Neighbour>,
+    neighbours: Vec<Neighbour>,
     /// For the list that is being made: 1 for each point that has neighbours, later its place in the list.
     place_of: Vec<u32>,
 }
 
-impl Lists {
+impl NeighbourLists {
     /// Makes room for a body with this many points on its outside, among this many bodies.
     pub(super) fn new(points: usize, bodies: usize) -> Self {
         Self {
-            made: Vec::with_capacity(bodies.min(8)),
+            lists: Vec::with_capacity(bodies.min(8)),
             points: Vec::with_capacity(2 * points),
-            pairs: Vec::with_capacity(8 * points),
+            neighbours: Vec::with_capacity(8 * points),
             place_of: Vec::with_capacity(points),
         }
     }
 
     /// Returns the points on the outside of one body that may be in cells of another, and the cells that they may be in. Makes
-    /// the list if it is missing or outdated; `seen` and `buckets` are its workspace.
-    pub(super) fn list<R: Real>(
+    /// the list if it is missing or outdated; `candidates` and `buckets` are its workspace.
+    pub(super) fn updated_list<R: Real>(
         &mut self,
         model: &Model<R>,
-        (of, outside): ([usize; 2], Outside<'_>),
-        neighbours: &Neighbours,
-        seen: &mut Vec<Seen>,
+        (pair, surface_points): ([usize; 2], SurfacePoints<'_>),
+        stored: &StoredPositions,
+        candidates: &mut Vec<CandidatePoint>,
         buckets: &mut Buckets,
-    ) -> Listed<'_> {
-        let times = neighbours.times(of);
-        if self.made.iter().any(|list| list.times[0] != times[0]) {
-            self.made.clear();
+    ) -> NeighbourListView<'_> {
+        let store_counts = stored.store_counts(pair);
+        if self.lists.iter().any(|list| list.store_counts[0] != store_counts[0]) {
+            self.lists.clear();
             self.points.clear();
-            self.pairs.clear();
+            self.neighbours.clear();
         }
-        if let Some(old) = self.made.iter().position(|list| list.cells == of[1] && list.times != times) {
+        if let Some(old) =
+            self.lists.iter().position(|list| list.cell_body == pair[1] && list.store_counts != store_counts)
+        {
             self.forget(old);
         }
-        let known = self.made.iter().position(|list| list.cells == of[1]);
+        let known = self.lists.iter().position(|list| list.cell_body == pair[1]);
         let number = known.unwrap_or_else(|| {
-            self.make(model, (of, outside), neighbours, seen, buckets);
-            self.made.len() - 1
+            self.make(model, (pair, surface_points), stored, candidates, buckets);
+            self.lists.len() - 1
         });
-        let List { points, pairs, .. } = &self.made[number];
+        let NeighbourList { points, neighbours, .. } = &self.lists[number];
         #[expect(clippy::cast_possible_truncation, reason = "what is lost is allowed for")]
-        let way = (neighbours.way(of) / USED) as f32 + (ROUNDING * margin(model, of)) as f32;
-        Listed { points: &self.points[points.clone()], pairs: &self.pairs[pairs.clone()], way }
+        let displacement = (stored.relative_displacement(pair) / USED_MARGIN_SHARE) as f32
+            + (ROUNDING_SHARE * margin(model, pair)) as f32;
+        NeighbourListView {
+            points: &self.points[points.clone()],
+            neighbours: &self.neighbours[neighbours.clone()],
+            displacement,
+        }
     }
 
     /// Forgets a list.
     fn forget(&mut self, number: usize) {
-        let List { points, pairs, .. } = self.made.remove(number);
+        let NeighbourList { points, neighbours, .. } = self.lists.remove(number);
         self.points.drain(points.clone());
-        self.pairs.drain(pairs.clone());
-        for list in &mut self.made[number..] {
+        self.neighbours.drain(neighbours.clone());
+        for list in &mut self.lists[number..] {
             list.points = list.points.start - points.len()..list.points.end - points.len();
-            list.pairs = list.pairs.start - pairs.len()..list.pairs.end - pairs.len();
+            list.neighbours = list.neighbours.start - neighbours.len()..list.neighbours.end - neighbours.len();
         }
     }
 
@@ -233,66 +246,75 @@ impl Lists {
     fn make<R: Real>(
         &mut self,
         model: &Model<R>,
-        (of, outside): ([usize; 2], Outside<'_>),
-        neighbours: &Neighbours,
-        seen: &mut Vec<Seen>,
+        (pair, surface_points): ([usize; 2], SurfacePoints<'_>),
+        stored: &StoredPositions,
+        candidates: &mut Vec<CandidatePoint>,
         buckets: &mut Buckets,
     ) {
-        let ([points, cells], then) = (of.map(|number| &model.bodies[number]), &neighbours.then);
-        let (is_itself, margin) = (of[0] == of[1], margin(model, of));
+        let ([points, cells], positions) = (pair.map(|number| &model.bodies[number]), &stored.positions);
+        let (is_itself, margin) = (pair[0] == pair[1], margin(model, pair));
         let cell_size = cells.lattice.grid.cell_size;
-        let reach = TOLERANCE * cell_size + margin;
-        let own = &then[cells.particles.clone()];
+        let reach = INSIDE_TOLERANCE * cell_size + margin;
+        let own = &positions[cells.particles.clone()];
         let all = Aabb::<f64>::around(own.iter().copied()).grown(reach);
-        seen.clear();
-        let own_points = &then[points.particles.clone()];
-        seen.extend(outside.numbers().filter_map(|point| {
-            let then = outside.place(point, own_points);
-            all.holds(then).then_some(Seen::of(point, then))
+        candidates.clear();
+        let own_points = &positions[points.particles.clone()];
+        candidates.extend(surface_points.numbers().filter_map(|point| {
+            let position = surface_points.position(point, own_points);
+            all.holds(position).then_some(CandidatePoint::new(point, position))
         }));
-        let first = (self.points.len(), self.pairs.len());
-        if !seen.is_empty() {
-            let bounds = Aabb::<f64>::around(seen.iter().map(|seen| seen.ahead));
-            buckets.sort(seen, &bounds, cell_size);
+        let first = (self.points.len(), self.neighbours.len());
+        if !candidates.is_empty() {
+            let bounds = Aabb::<f64>::around(candidates.iter().map(|candidate| candidate.position));
+            buckets.sort(candidates, &bounds, cell_size);
             self.place_of.clear();
-            self.place_of.resize(seen.len(), 0);
-            for number in looked_at(cells, is_itself) {
-                let cell = around(cells, number, own).grown(TOLERANCE * cell_size);
+            self.place_of.resize(candidates.len(), 0);
+            for number in candidate_cells(cells, is_itself) {
+                let cell = cell_bounds(cells, number, own).grown(INSIDE_TOLERANCE * cell_size);
                 let around = cell.grown(margin);
                 if !around.overlaps(&bounds) {
                     continue;
                 }
                 let low = cells.lattice.low(number);
                 for place in buckets.near(&around) {
-                    let Seen { point, ahead, .. } = seen[place];
-                    if around.holds(ahead) && !(is_itself && outside.touch(point, low)) {
+                    let CandidatePoint { point, position, .. } = candidates[place];
+                    if around.holds(position) && !(is_itself && surface_points.touch(point, low)) {
                         self.place_of[place] = 1;
-                        let beyond = (cell.min - ahead).max(ahead - cell.max).max_element();
+                        let distance_outside = (cell.min - position).max(position - cell.max).max_element();
                         #[expect(
                             clippy::cast_possible_truncation,
                             reason = "points are counted in 32 bits, and what is lost of a way is allowed for"
                         )]
-                        self.pairs.push(Neighbour { cell: number, place: place as u32, beyond: beyond as f32 });
+                        self.neighbours.push(Neighbour {
+                            cell: number,
+                            place: place as u32,
+                            distance_outside: distance_outside as f32,
+                        });
                     }
                 }
             }
             // Only points that have neighbours are in the list.
-            let has_any = seen.iter().zip(&mut self.place_of).filter(|(_, place)| **place > 0);
-            for ((seen, place), count) in has_any.zip(0..) {
+            let has_any = candidates.iter().zip(&mut self.place_of).filter(|(_, place)| **place > 0);
+            for ((candidate, place), count) in has_any.zip(0..) {
                 *place = count;
-                self.points.push(seen.point);
+                self.points.push(candidate.point);
             }
-            for neighbour in &mut self.pairs[first.1..] {
+            for neighbour in &mut self.neighbours[first.1..] {
                 neighbour.place = self.place_of[neighbour.place as usize];
             }
         }
-        let (points, pairs) = (first.0..self.points.len(), first.1..self.pairs.len());
-        self.made.push(List { cells: of[1], times: neighbours.times(of), points, pairs });
+        let (points, neighbours) = (first.0..self.points.len(), first.1..self.neighbours.len());
+        self.lists.push(NeighbourList {
+            cell_body: pair[1],
+            store_counts: stored.store_counts(pair),
+            points,
+            neighbours,
+        });
     }
 }
 
 /// The cells of a body in which points of another, or of the same, are looked for, ascending.
-pub(super) fn looked_at<R: Real>(body: &BodyModel<R>, is_itself: bool) -> impl Iterator<Item = u32> {
+pub(super) fn candidate_cells<R: Real>(body: &BodyModel<R>, is_itself: bool) -> impl Iterator<Item = u32> {
     #[expect(clippy::cast_possible_truncation, reason = "cells are counted in 32 bits")]
     let all = 0..body.lattice.cells.len() as u32;
     let (all, outer) = if is_itself { (0..0, body.hull().outer.as_slice()) } else { (all, &[][..]) };
@@ -300,7 +322,7 @@ pub(super) fn looked_at<R: Real>(body: &BodyModel<R>, is_itself: bool) -> impl I
 }
 
 /// The box around a cell of a body whose particles are at `own`, m.
-pub(super) fn around<R: Real>(body: &BodyModel<R>, cell: u32, own: &[DVec3]) -> Aabb<f64> {
+pub(super) fn cell_bounds<R: Real>(body: &BodyModel<R>, cell: u32, own: &[DVec3]) -> Aabb<f64> {
     Aabb::<f64>::around(body.lattice.cells[cell as usize].iter().map(|corner| own[*corner as usize]))
 }
 
@@ -342,36 +364,37 @@ mod tests {
 
     /// The workspace that lists are made in.
     struct Room {
-        neighbours: Neighbours,
-        lists: [Lists; 2],
-        seen: Vec<Seen>,
+        stored: StoredPositions,
+        lists: [NeighbourLists; 2],
+        candidates: Vec<CandidatePoint>,
         buckets: Buckets,
     }
 
     impl Room {
         fn new(model: &Model<f64>) -> Self {
             Self {
-                neighbours: Neighbours::new(model.particle_count(), model.bodies.len()),
-                lists: [Lists::default(), Lists::default()],
-                seen: Vec::new(),
+                stored: StoredPositions::new(model.particle_count(), model.bodies.len()),
+                lists: [NeighbourLists::default(), NeighbourLists::default()],
+                candidates: Vec::new(),
                 buckets: Buckets::new(1000),
             }
         }
 
         /// How many points are in the boxes of cells, and how many of those are in the list of their bodies.
-        fn in_boxes(&mut self, simulation: &Simulation<f64>, of: [usize; 2], ahead: &[DVec3]) -> [usize; 2] {
-            let Self { neighbours, lists, seen, buckets } = self;
+        fn in_boxes(&mut self, simulation: &Simulation<f64>, of: [usize; 2], predicted: &[DVec3]) -> [usize; 2] {
+            let Self { stored, lists, candidates, buckets } = self;
             let model = simulation.model();
-            neighbours.follow(simulation.plan(), model, ahead);
-            neighbours.keep_up(model, &[of], ahead);
-            let list = lists[of[0]].list(model, (of, Outside::of(model, of)), neighbours, seen, buckets);
+            stored.update_displacements(simulation.plan(), model, predicted);
+            stored.renew_outdated(model, &[of], predicted);
+            let list =
+                lists[of[0]].updated_list(model, (of, SurfacePoints::of(model, of)), stored, candidates, buckets);
             let near: Vec<(u32, Vec<u32>)> = list.by_cell().map(|(cell, places)| (cell, places.collect())).collect();
             let [points, cells] = of.map(|number| &model.bodies[number]);
-            let own = &ahead[cells.particles.clone()];
+            let own = &predicted[cells.particles.clone()];
             let (mut all, mut listed) = (0, 0);
             for (point, particle) in (0..).zip(&points.hull().points) {
-                let at = ahead[points.particles.start + *particle as usize];
-                for cell in looked_at(cells, false).filter(|cell| around(cells, *cell, own).holds(at)) {
+                let at = predicted[points.particles.start + *particle as usize];
+                for cell in candidate_cells(cells, false).filter(|cell| cell_bounds(cells, *cell, own).holds(at)) {
                     all += 1;
                     let of_cell = near.iter().filter(|(of, _)| *of == cell).flat_map(|(_, places)| places);
                     listed += of_cell.filter(|place| list.points[**place as usize] == point).count();
@@ -387,9 +410,9 @@ mod tests {
         let mut room = Room::new(simulation.model());
         let mut most = 0;
         for round in 0..60 {
-            let ahead = moved(&simulation, &mut rng, 0.003 * f64::from(round), 2e-3);
+            let predicted = moved(&simulation, &mut rng, 0.003 * f64::from(round), 2e-3);
             for of in [[0, 1], [1, 0]] {
-                let [all, listed] = room.in_boxes(&simulation, of, &ahead);
+                let [all, listed] = room.in_boxes(&simulation, of, &predicted);
                 assert_eq!(all, listed, "of {of:?} in round {round}");
                 most = most.max(all);
             }
@@ -402,9 +425,9 @@ mod tests {
         let (simulation, mut rng) = (two(), Rng::new(12));
         let mut room = Room::new(simulation.model());
         let mut made_of = |way: f64| {
-            let ahead = moved(&simulation, &mut rng, way, 0.0);
-            room.in_boxes(&simulation, [0, 1], &ahead);
-            room.neighbours.then.clone()
+            let predicted = moved(&simulation, &mut rng, way, 0.0);
+            room.in_boxes(&simulation, [0, 1], &predicted);
+            room.stored.positions.clone()
         };
         let first = made_of(0.0);
         assert_eq!(made_of(0.9 * MARGIN * 0.1), first, "within the margin");
@@ -419,13 +442,13 @@ mod tests {
         let model = simulation.model();
         let [start, then] = [0.0, 1.0]
             .map(|by| moved(&simulation, &mut rng, 0.0, 0.0).iter().map(|at| *at + DVec3::Y * by).collect::<Vec<_>>());
-        let mut neighbours = Neighbours::new(model.particle_count(), 2);
-        neighbours.follow(simulation.plan(), model, &start);
-        neighbours.follow(simulation.plan(), model, &then);
-        neighbours.keep_up(model, &[[0, 1], [1, 0]], &then);
-        assert_eq!(neighbours.then, start, "they have not moved past each other");
-        neighbours.moved[0].max += DVec3::X;
-        neighbours.keep_up(model, &[[1, 0], [0, 1]], &then);
-        assert_eq!(neighbours.then, then);
+        let mut stored = StoredPositions::new(model.particle_count(), 2);
+        stored.update_displacements(simulation.plan(), model, &start);
+        stored.update_displacements(simulation.plan(), model, &then);
+        stored.renew_outdated(model, &[[0, 1], [1, 0]], &then);
+        assert_eq!(stored.positions, start, "they have not moved past each other");
+        stored.displacement_bounds[0].max += DVec3::X;
+        stored.renew_outdated(model, &[[1, 0], [0, 1]], &then);
+        assert_eq!(stored.positions, then);
     }
 }

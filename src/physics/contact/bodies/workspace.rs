@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::ahead::Ahead;
 use super::motion::Motion;
-use super::neighbours::Neighbours;
+use super::neighbours::StoredPositions;
 use super::points::PointsWorkspace;
+use super::predicted::PredictedBody;
 use super::record::BodyContact;
 use crate::math::Real;
 use crate::physics::contact::weighted::{Movers, PointConstraint};
@@ -16,26 +16,26 @@ use crate::physics::state::press::Press;
 use crate::physics::state::sleep;
 
 /// Particles that a contact weighs at most: those that carry its point, and those of the cell.
-pub(super) const WEIGHED: usize = 16;
+pub(super) const MAX_CONTACT_PARTICLES: usize = 16;
 
 /// The same where the point is a particle.
-const OF_PARTICLE: usize = 9;
+const PARTICLE_CONTACT_PARTICLES: usize = 9;
 
 /// The workspace of contact between bodies; empty where there is no such contact, and for one body until it comes near itself.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     /// How fast the particles of each body move past each other, m/s.
-    pub(in crate::physics) spreads: Vec<f64>,
+    pub(in crate::physics) relative_speeds: Vec<f64>,
     /// Whether each body was near itself before the present substep, and how far its particles might move until the next look.
-    folds: Vec<(bool, f64)>,
+    stored_proximity: Vec<(bool, f64)>,
     pub(super) motions: Vec<Motion<R>>,
     /// Where every particle would be at the end of the substep, m.
-    pub(super) ahead: Vec<DVec3>,
+    pub(super) predicted_positions: Vec<DVec3>,
     /// Where the particles of modal bodies are when it begins, m, which the state does not tell; empty where no body is modal.
-    pub(super) modal_now: Vec<DVec3>,
+    pub(super) modal_positions: Vec<DVec3>,
     /// Each body at the end of the substep.
-    pub(super) bodies: Vec<Ahead>,
-    pub(super) neighbours: Neighbours,
+    pub(super) predicted_bodies: Vec<PredictedBody>,
+    pub(super) stored_positions: StoredPositions,
     /// The bodies that may meet, of points and of cells, in the order in which they are solved for.
     pub(super) pairs: Vec<[usize; 2]>,
     /// Workspace and results for each body's points.
@@ -43,9 +43,9 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
     /// The particles that contact between bodies has just given another velocity, and that velocity, m/s.
-    pub(in crate::physics) moved: Vec<(usize, R::Vec3)>,
+    pub(in crate::physics) changed_velocities: Vec<(usize, R::Vec3)>,
     /// The pairs of bodies that pushed each other since this was cleared.
-    pub(in crate::physics) met: Vec<[usize; 2]>,
+    pub(in crate::physics) pushed_pairs: Vec<[usize; 2]>,
     /// The contacts of the last substep, in the order of bodies and points.
     pub(in crate::physics) contacts: Vec<BodyContact>,
     /// Their springs as they are at its end, by body, point and the other body.
@@ -56,8 +56,8 @@ impl<R: Real> BodiesWorkspace<R> {
     /// Room for a model.
     pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
         let bodies = model.bodies.len();
-        let (spreads, folds) = (Vec::with_capacity(bodies), Vec::with_capacity(bodies));
-        let mut room = Self { spreads, folds, ..Self::default() };
+        let (relative_speeds, stored_proximity) = (Vec::with_capacity(bodies), Vec::with_capacity(bodies));
+        let mut room = Self { relative_speeds, stored_proximity, ..Self::default() };
         if plan.between_bodies.is_some() && model.bodies.len() > 1 {
             room.make_room(model);
         }
@@ -67,25 +67,28 @@ impl<R: Real> BodiesWorkspace<R> {
     /// Makes room, where there is none yet.
     pub(super) fn make_room(&mut self, model: &Model<R>) {
         let (count, bodies) = (model.particle_count(), model.bodies.len());
-        if self.ahead.len() == count {
+        if self.predicted_positions.len() == count {
             return;
         }
         // Meshes have more points than these; where that many meet, the lists grow once.
         let surfaces = || model.bodies.iter().map(|body| body.lattice.surface);
         let all: usize = surfaces().sum();
         *self = Self {
-            spreads: std::mem::take(&mut self.spreads),
-            folds: std::mem::take(&mut self.folds),
+            relative_speeds: std::mem::take(&mut self.relative_speeds),
+            stored_proximity: std::mem::take(&mut self.stored_proximity),
             motions: Vec::with_capacity(bodies),
-            ahead: vec![DVec3::ZERO; count],
-            modal_now: vec![DVec3::ZERO; if model.bodies.iter().any(|body| body.modal.is_some()) { count } else { 0 }],
-            bodies: vec![Ahead::nowhere(); bodies],
-            neighbours: Neighbours::new(count, bodies),
+            predicted_positions: vec![DVec3::ZERO; count],
+            modal_positions: vec![
+                DVec3::ZERO;
+                if model.bodies.iter().any(|body| body.modal.is_some()) { count } else { 0 }
+            ],
+            predicted_bodies: vec![PredictedBody::nowhere(); bodies],
+            stored_positions: StoredPositions::new(count, bodies),
             pairs: Vec::with_capacity(2 * all.min(bodies * bodies)),
             points: surfaces().map(|points| PointsWorkspace::new(points, bodies)).collect(),
-            movers: Movers::new(count, OF_PARTICLE * all),
-            moved: Vec::with_capacity(count),
-            met: Vec::with_capacity((bodies * bodies).min(all)),
+            movers: Movers::new(count, PARTICLE_CONTACT_PARTICLES * all),
+            changed_velocities: Vec::with_capacity(count),
+            pushed_pairs: Vec::with_capacity((bodies * bodies).min(all)),
             constraints: Vec::with_capacity(all),
             contacts: Vec::with_capacity(all),
             presses: Vec::with_capacity(all),
@@ -93,33 +96,33 @@ impl<R: Real> BodiesWorkspace<R> {
     }
 
     /// Remembers which bodies are near themselves, before the next looks.
-    pub(in crate::physics) fn remember_folds(&mut self, state: &State<R>) {
-        self.folds.clear();
-        self.folds.extend(state.bodies.iter().map(|memory| (memory.near_itself, memory.apart)));
+    pub(in crate::physics) fn store_self_proximity(&mut self, state: &State<R>) {
+        self.stored_proximity.clear();
+        self.stored_proximity.extend(state.bodies.iter().map(|memory| (memory.near_itself, memory.apart)));
     }
 
     /// Puts back what was remembered, as if there had been no looks.
-    pub(in crate::physics) fn forget_looks(&self, state: &mut State<R>) {
-        for (memory, folds) in state.bodies.iter_mut().zip(&self.folds) {
-            (memory.near_itself, memory.apart) = *folds;
+    pub(in crate::physics) fn restore_self_proximity(&self, state: &mut State<R>) {
+        for (memory, stored_proximity) in state.bodies.iter_mut().zip(&self.stored_proximity) {
+            (memory.near_itself, memory.apart) = *stored_proximity;
         }
     }
 
     /// The pairs of bodies of contacts that push.
-    pub(in crate::physics) fn touching(&self) -> impl Iterator<Item = [usize; 2]> + Clone {
+    pub(in crate::physics) fn pushing_pairs(&self) -> impl Iterator<Item = [usize; 2]> + Clone {
         self.contacts.iter().filter(|contact| contact.force != DVec3::ZERO).map(|contact| contact.bodies)
     }
 
     /// How many contacts push.
-    pub(in crate::physics) fn pushing(&self) -> usize {
-        self.touching().count()
+    pub(in crate::physics) fn pushing_count(&self) -> usize {
+        self.pushing_pairs().count()
     }
 
     /// Forgets all contacts but those between sleeping bodies, and which particles were moved.
-    pub(in crate::physics) fn keep_of_sleepers(&mut self, model: &Model<R>, plan: &Plan, state: &State<R>) {
+    pub(in crate::physics) fn keep_sleeping_contacts(&mut self, model: &Model<R>, plan: &Plan, state: &State<R>) {
         let both_sleep =
             |bodies: &[usize; 2]| bodies.iter().all(|body| !sleep::moves(model, plan, &state.bodies[*body]));
-        self.moved.clear();
+        self.changed_velocities.clear();
         self.contacts.retain(|contact| both_sleep(&contact.bodies));
         self.presses.clear();
         self.presses.extend(state.presses.iter().filter(|press| both_sleep(&press.bodies)));

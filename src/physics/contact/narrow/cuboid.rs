@@ -4,7 +4,7 @@ use crate::math::{Real, Vector};
 use crate::physics::contact::surface::{Crossing, Surface};
 
 /// The axes in the order of preference among faces that are equally near: from the very middle the way is up.
-const ORDER: [usize; 3] = [1, 0, 2];
+const FACE_PREFERENCE: [usize; 3] = [1, 0, 2];
 
 /// The point of the surface nearest to a point; from inside it is on a face.
 pub(super) fn nearest<R: Real>(half_extents: [R; 3], at: R::Vec3) -> Surface<R> {
@@ -20,21 +20,21 @@ pub(super) fn nearest<R: Real>(half_extents: [R; 3], at: R::Vec3) -> Surface<R> 
             return Surface { normal: offset * (R::ONE / gap), gap };
         }
     }
-    let face = ORDER.into_iter().reduce(|best, axis| if past[axis] > past[best] { axis } else { best });
+    let face = FACE_PREFERENCE.into_iter().reduce(|best, axis| if past[axis] > past[best] { axis } else { best });
     let face = face.unwrap_or_default();
-    Surface { normal: along(face, signed(face, R::ONE)), gap: past[face] }
+    Surface { normal: axis_vector(face, signed(face, R::ONE)), gap: past[face] }
 }
 
 /// Where a line crosses the box.
-pub(super) fn crossing<R: Real>(half_extents: [R; 3], from: R::Vec3, way: R::Vec3) -> Option<Crossing<R>> {
+pub(super) fn crossing<R: Real>(half_extents: [R; 3], from: R::Vec3, direction: R::Vec3) -> Option<Crossing<R>> {
     let ever = R::from_f64(f64::INFINITY);
     let mut found = Crossing { enter: -ever, leave: ever, normal: R::Vec3::ZERO };
-    let (from, way) = (from.components(), way.components());
+    let (from, direction) = (from.components(), direction.components());
     for axis in 0..3 {
-        let [enter, leave] = between(half_extents[axis], from[axis], way[axis])?;
+        let [enter, leave] = slab_interval(half_extents[axis], from[axis], direction[axis])?;
         if enter > found.enter {
-            let outwards = if way[axis] > R::ZERO { -R::ONE } else { R::ONE };
-            (found.enter, found.normal) = (enter, along(axis, outwards));
+            let outwards = if direction[axis] > R::ZERO { -R::ONE } else { R::ONE };
+            (found.enter, found.normal) = (enter, axis_vector(axis, outwards));
         }
         found.leave = found.leave.min(leave);
     }
@@ -42,17 +42,17 @@ pub(super) fn crossing<R: Real>(half_extents: [R; 3], from: R::Vec3, way: R::Vec
 }
 
 /// The part of a line that lies between −half and half along one axis: t where it begins and ends.
-pub(super) fn between<R: Real>(half: R, from: R, way: R) -> Option<[R; 2]> {
-    if way == R::ZERO {
+pub(super) fn slab_interval<R: Real>(half: R, from: R, direction: R) -> Option<[R; 2]> {
+    if direction == R::ZERO {
         let ever = R::from_f64(f64::INFINITY);
         return (from.abs() <= half).then_some([-ever, ever]);
     }
-    let [low, high] = [(-half - from) / way, (half - from) / way];
+    let [low, high] = [(-half - from) / direction, (half - from) / direction];
     Some([low.min(high), low.max(high)])
 }
 
 /// A vector along one axis.
-fn along<R: Real>(axis: usize, length: R) -> R::Vec3 {
+fn axis_vector<R: Real>(axis: usize, length: R) -> R::Vec3 {
     let [x, y, z] = std::array::from_fn(|other| if other == axis { length } else { R::ZERO });
     R::Vec3::new(x, y, z)
 }

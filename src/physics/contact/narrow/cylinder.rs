@@ -28,17 +28,17 @@ pub(super) fn nearest<R: Real>(radius: R, half_height: R, at: R::Vec3) -> Surfac
 }
 
 /// Where a line crosses the cylinder.
-pub(super) fn crossing<R: Real>(radius: R, half_height: R, from: R::Vec3, way: R::Vec3) -> Option<Crossing<R>> {
+pub(super) fn crossing<R: Real>(radius: R, half_height: R, from: R::Vec3, direction: R::Vec3) -> Option<Crossing<R>> {
     let level = |[x, _, z]: [R; 3]| R::Vec3::new(x, R::ZERO, z);
-    let (at, along) = (from.components(), way.components());
-    let sides = round::within(radius, level(at), level(along))?;
-    let ends = cuboid::between(half_height, at[1], along[1])?;
+    let (at, along) = (from.components(), direction.components());
+    let sides = round::interval_within(radius, level(at), level(along))?;
+    let ends = cuboid::slab_interval(half_height, at[1], along[1])?;
     let [enter, leave] = [sides[0].max(ends[0]), sides[1].min(ends[1])];
     let by_end = ends[0] >= sides[0];
     let normal = if by_end {
         R::Vec3::new(R::ZERO, if along[1] > R::ZERO { -R::ONE } else { R::ONE }, R::ZERO)
     } else {
-        let radial = level((from + way * enter).components());
+        let radial = level((from + direction * enter).components());
         radial * (R::ONE / radial.length())
     };
     (enter <= leave).then_some(Crossing { enter, leave, normal })

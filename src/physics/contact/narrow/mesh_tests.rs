@@ -6,8 +6,8 @@ use super::*;
 use crate::geometry::{Surface as Geometry, TriMesh};
 
 /// How a particle meets a mesh of which nothing is known.
-fn look(mesh: &MeshModel<f64>, side: i8, from: DVec3, path: DVec3) -> Option<Surface<f64>> {
-    meet(mesh, side, from, path, &mut Known::default())
+fn meet_uncached(mesh: &MeshModel<f64>, side: i8, from: DVec3, path: DVec3) -> Option<Surface<f64>> {
+    meet(mesh, side, from, path, &mut NearestPointCache::default())
 }
 
 /// A floor of two triangles 2 m wide, facing up, and a roof of the same size whose ridge is along z.
@@ -37,13 +37,15 @@ fn roof() -> MeshModel<f64> {
 #[test]
 fn what_is_fast_is_caught_from_either_side_of_an_open_mesh() {
     let slope = 0.5f64.sqrt();
-    let from_above = look(&roof(), 0, DVec3::new(0.5, 3.0, 0.0), DVec3::NEG_Y * 1e3).expect("it crosses the roof");
+    let from_above =
+        meet_uncached(&roof(), 0, DVec3::new(0.5, 3.0, 0.0), DVec3::NEG_Y * 1e3).expect("it crosses the roof");
     assert!(from_above.normal.distance(DVec3::new(slope, slope, 0.0)) < 1e-12, "{from_above:?}");
     assert!((from_above.gap - 2.5 * slope).abs() < 1e-9, "{from_above:?}");
-    let from_below = look(&roof(), 0, DVec3::new(0.5, -3.0, 0.0), DVec3::Y * 1e3).expect("it crosses the roof");
+    let from_below =
+        meet_uncached(&roof(), 0, DVec3::new(0.5, -3.0, 0.0), DVec3::Y * 1e3).expect("it crosses the roof");
     assert!(from_below.normal.distance(DVec3::new(-slope, -slope, 0.0)) < 1e-12, "{from_below:?}");
-    assert_eq!(look(&roof(), 0, DVec3::new(1.5, 3.0, 0.0), DVec3::NEG_Y * 1e3), None, "it passes by");
-    assert_eq!(look(&roof(), 0, DVec3::new(0.5, 3.0, 0.0), DVec3::NEG_Y), None, "it ends short");
+    assert_eq!(meet_uncached(&roof(), 0, DVec3::new(1.5, 3.0, 0.0), DVec3::NEG_Y * 1e3), None, "it passes by");
+    assert_eq!(meet_uncached(&roof(), 0, DVec3::new(0.5, 3.0, 0.0), DVec3::NEG_Y), None, "it ends short");
 }
 
 #[test]
@@ -53,10 +55,10 @@ fn what_touches_an_open_mesh_keeps_its_side_over_the_ridge_and_loses_it_beyond_t
         let at = DVec3::new(x, 1.0 - x.abs() + behind, 0.0);
         let is_up = is_upper(&roof(), at, DVec3::Y);
         let side = if is_up { side } else { -side };
-        let met = look(&roof(), side, at, DVec3::ZERO).expect("it is behind the surface");
+        let met = meet_uncached(&roof(), side, at, DVec3::ZERO).expect("it is behind the surface");
         assert!(met.gap < 0.0 && met.normal.y * behind < 0.0, "{at} on side {side}: {met:?}");
     }
-    assert_eq!(look(&roof(), 1, DVec3::new(1.1, -0.1, 0.0), DVec3::ZERO), None, "beside it");
+    assert_eq!(meet_uncached(&roof(), 1, DVec3::new(1.1, -0.1, 0.0), DVec3::ZERO), None, "beside it");
 }
 
 #[test]
@@ -84,7 +86,7 @@ fn a_floor_of_triangles_meets_as_a_plane_does() {
                 continue;
             }
             let side_of_mesh = if is_upper(&floor, from, DVec3::Y) { side } else { -side };
-            let (mesh, plane) = (look(&floor, side_of_mesh, from, path), plane::meet(&flat, side, from, path));
+            let (mesh, plane) = (meet_uncached(&floor, side_of_mesh, from, path), plane::meet(&flat, side, from, path));
             let hit_is_inside = {
                 let t = if path.y == 0.0 { 0.0 } else { (-from.y / path.y).clamp(0.0, 1.0) };
                 let hit = from + path * t;
@@ -120,7 +122,7 @@ fn a_box_of_triangles_meets_as_a_box_does() {
     for number in 1..4000 {
         let from = center + DVec3::new(part(number, 0.618), part(number, 0.755), part(number, 0.57));
         let path = DVec3::new(part(number, 0.31), part(number, 0.47), part(number, 0.83)) * 2.0;
-        let (mesh, solid) = (look(&mesh, 0, from, path), oriented::meet(&solid, from, path));
+        let (mesh, solid) = (meet_uncached(&mesh, 0, from, path), oriented::meet(&solid, from, path));
         assert_eq!(mesh.is_some(), solid.is_some(), "{from} by {path}: {mesh:?}, not {solid:?}");
         let (Some(mesh), Some(solid)) = (mesh, solid) else { continue };
         met += 1;

@@ -20,6 +20,6 @@ pub(super) fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, p
         ObstacleShape::Plane(plane) => plane::meet(plane, side, from, path),
         ObstacleShape::Sphere { center, radius } => sphere::meet(*center, *radius, from, path),
         ObstacleShape::Oriented(oriented) => oriented::meet(oriented, from, path),
-        ObstacleShape::Mesh(mesh) => mesh::meet(mesh, side, from, path, &mut mesh::Known::default()),
+        ObstacleShape::Mesh(mesh) => mesh::meet(mesh, side, from, path, &mut mesh::NearestPointCache::default()),
     }
 }

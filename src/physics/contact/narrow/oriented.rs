@@ -47,12 +47,12 @@ pub(in crate::physics::contact) fn nearest<R: Real>(form: &OrientedForm<R>, at: 
 pub(in crate::physics::contact) fn crossing<R: Real>(
     form: &OrientedForm<R>,
     from: R::Vec3,
-    way: R::Vec3,
+    direction: R::Vec3,
 ) -> Option<Crossing<R>> {
     match *form {
-        OrientedForm::Box { half_extents } => cuboid::crossing(half_extents, from, way),
-        OrientedForm::Capsule { radius, half_height } => capsule::crossing(radius, half_height, from, way),
-        OrientedForm::Cylinder { radius, half_height } => cylinder::crossing(radius, half_height, from, way),
+        OrientedForm::Box { half_extents } => cuboid::crossing(half_extents, from, direction),
+        OrientedForm::Capsule { radius, half_height } => capsule::crossing(radius, half_height, from, direction),
+        OrientedForm::Cylinder { radius, half_height } => cylinder::crossing(radius, half_height, from, direction),
     }
 }
 

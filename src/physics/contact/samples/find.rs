@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::near;
-use super::workspace::{Found, SamplesWorkspace};
+use super::workspace::{FoundContact, SamplesWorkspace};
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::contact::swept::Swept;
+use crate::physics::contact::swept_point::SweptPoint;
 use crate::physics::contact::{broad, narrow};
 use crate::physics::kernels::bounds;
 use crate::physics::model::{ObstacleShape, Samples};
@@ -14,7 +14,7 @@ use crate::physics::step::substep::Substep;
 
 /// Adds the contacts that the points of a body have with these velocities and that were not found before. Returns whether
 /// there are any.
-pub(super) fn find<R: Real>(
+pub(super) fn find_contacts<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
     samples: &Samples,
@@ -26,12 +26,12 @@ pub(super) fn find<R: Real>(
     let own = model.bodies[number].particles.clone();
     let (position, velocity) = (&state.position[own.clone()], &velocity[own]);
     let mut touches = near::touches_of(state, number);
-    near_obstacles(substep, number, position, velocity, workspace);
-    let before = workspace.found.len();
-    workspace.met.clear();
-    workspace.met.extend(workspace.found.iter().map(|found| (found.sample, found.obstacle)));
-    workspace.met.sort_unstable();
-    if workspace.near.is_empty() && touches.is_empty() {
+    find_near_obstacles(substep, number, position, velocity, workspace);
+    let before = workspace.found_contacts.len();
+    workspace.found_pairs.clear();
+    workspace.found_pairs.extend(workspace.found_contacts.iter().map(|found| (found.sample, found.obstacle)));
+    workspace.found_pairs.sort_unstable();
+    if workspace.near_obstacles.is_empty() && touches.is_empty() {
         return false;
     }
     let meshes = model.mesh_count();
@@ -41,65 +41,66 @@ pub(super) fn find<R: Real>(
         let (touching, rest) = touches.split_at(in_cell);
         touches = rest;
         if plan.broad_phase && touching.is_empty() {
-            let around = near::motion(cell, position, velocity, dt);
-            let is_near = |obstacle: &usize| around.overlaps(&substep.obstacles.met(number, *obstacle).bounds);
-            if !workspace.near.iter().any(is_near) {
+            let around = near::motion_bounds(cell, position, velocity, dt);
+            let is_near = |obstacle: &usize| around.overlaps(&substep.obstacles.for_body(number, *obstacle).bounds);
+            if !workspace.near_obstacles.iter().any(is_near) {
                 continue;
             }
         }
-        let places = cell.carriers.map(|carrier| position[carrier as usize]);
-        let speeds = cell.carriers.map(|carrier| velocity[carrier as usize]);
-        let widest = places.iter().fold(R::Vec3::ZERO, |widest, at| widest.max(*at).max(-*at));
-        let middle = places.iter().fold(R::Vec3::ZERO, |sum, at| sum + *at) * R::from_f64(0.125);
+        let positions = cell.carriers.map(|carrier| position[carrier as usize]);
+        let velocities = cell.carriers.map(|carrier| velocity[carrier as usize]);
+        let largest_coordinates = positions.iter().fold(R::Vec3::ZERO, |largest, at| largest.max(*at).max(-*at));
+        let middle = positions.iter().fold(R::Vec3::ZERO, |sum, at| sum + *at) * R::from_f64(0.125);
         for sample in cell.points.clone() {
             let mean = |of: &[R::Vec3; 8]| {
                 let terms = of.iter().zip(&samples.weights[sample]);
                 terms.map(|(of, weight)| of.to_dvec3() * *weight).sum::<DVec3>()
             };
-            let (from, way) = (mean(&places), mean(&speeds) * dt.to_f64());
+            let (from, way) = (mean(&positions), mean(&velocities) * dt.to_f64());
             let (from, path) = (R::Vec3::from_dvec3(from), R::Vec3::from_dvec3(way));
-            let known = &mut workspace.known[(workspace.first[number] + sample) * meshes..][..meshes];
+            let caches = &mut workspace.caches[(workspace.first_sample[number] + sample) * meshes..][..meshes];
             for obstacle in 0..model.obstacles.len() {
                 let key = (sample, obstacle);
                 let touch = touching.iter().find(|touch| (touch.sample, touch.obstacle) == key);
-                let is_near = touch.is_some() || workspace.near.contains(&obstacle);
-                if !is_near || workspace.met.binary_search(&key).is_ok() {
+                let is_near = touch.is_some() || workspace.near_obstacles.contains(&obstacle);
+                if !is_near || workspace.found_pairs.binary_search(&key).is_ok() {
                     continue;
                 }
-                let met = substep.obstacles.met(number, obstacle);
-                let side = touch.map_or_else(|| side_of_cell(&met.shape, from, widest, middle), |touch| touch.side);
-                if plan.broad_phase && side == 0 && !broad::sweep::<R>(from, path).overlaps(&met.bounds) {
+                let met = substep.obstacles.for_body(number, obstacle);
+                let side = touch
+                    .map_or_else(|| side_of_cell(&met.shape, from, largest_coordinates, middle), |touch| touch.side);
+                if plan.broad_phase && side == 0 && !broad::path_bounds::<R>(from, path).overlaps(&met.bounds) {
                     continue;
                 }
                 tests += 1;
                 counters.sphere_tests += u64::from(matches!(met.shape, ObstacleShape::Sphere { .. }));
-                let swept = Swept { from, path, side, widest: Some(widest) };
-                let Some((surface, surface_velocity)) = swept.meet(met, dt, known) else { continue };
+                let swept = SweptPoint { from, path, side, largest_coordinates: Some(largest_coordinates) };
+                let Some((surface, surface_velocity)) = swept.meet(met, dt, caches) else { continue };
                 let (normal, gap) = (surface.normal.to_dvec3(), surface.gap.to_f64());
                 let surface_velocity = surface_velocity.to_dvec3();
-                workspace.found.push(Found { sample, obstacle, normal, gap, surface_velocity });
+                workspace.found_contacts.push(FoundContact { sample, obstacle, normal, gap, surface_velocity });
             }
         }
     }
     counters.narrow_tests += tests;
     let all_tests = (samples.count() * model.obstacles.len()) as u64;
     counters.narrow_tests_saved += all_tests.saturating_sub(tests);
-    workspace.found.len() > before
+    workspace.found_contacts.len() > before
 }
 
 /// Returns the side of a plane that a point came from if it is on the plane within rounding error and has not touched it: the
 /// side of its cell; else 0. A body that begins on a plane has points on either side of it by rounding alone.
-fn side_of_cell<R: Real>(shape: &ObstacleShape<R>, from: R::Vec3, widest: R::Vec3, middle: R::Vec3) -> i8 {
+fn side_of_cell<R: Real>(shape: &ObstacleShape<R>, from: R::Vec3, largest_coordinates: R::Vec3, middle: R::Vec3) -> i8 {
     let ObstacleShape::Plane(plane) = shape else { return 0 };
     let height = |at: R::Vec3| (at - plane.center).dot(plane.normal);
-    if height(from).abs() > narrow::plane::rounding_margin(plane, widest) {
+    if height(from).abs() > narrow::plane::rounding_margin(plane, largest_coordinates) {
         return 0;
     }
     if height(middle) >= R::ZERO { 1 } else { -1 }
 }
 
 /// Lists the obstacles that the motion of a body may meet.
-fn near_obstacles<R: Real>(
+fn find_near_obstacles<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
     position: &[R::Vec3],
@@ -107,16 +108,16 @@ fn near_obstacles<R: Real>(
     workspace: &mut SamplesWorkspace,
 ) {
     let Substep { model, plan, dt, .. } = substep;
-    workspace.near.clear();
+    workspace.near_obstacles.clear();
     if !plan.broad_phase {
-        workspace.near.extend(0..model.obstacles.len());
+        workspace.near_obstacles.extend(0..model.obstacles.len());
         return;
     }
     let Some(samples) = &model.bodies[number].samples else { return };
     let at = bounds::<R>(plan.simd, position);
     let fast = bounds::<R>(plan.simd, velocity);
     let ahead = Aabb { min: at.min + fast.min * dt, max: at.max + fast.max * dt };
-    let around = near::around_all(at.joined(ahead), samples);
-    let is_near = |obstacle: &usize| around.overlaps(&substep.obstacles.met(number, *obstacle).bounds);
-    workspace.near.extend((0..model.obstacles.len()).filter(is_near));
+    let around = near::bounds_of_all(at.joined(ahead), samples);
+    let is_near = |obstacle: &usize| around.overlaps(&substep.obstacles.for_body(number, *obstacle).bounds);
+    workspace.near_obstacles.extend((0..model.obstacles.len()).filter(is_near));
 }

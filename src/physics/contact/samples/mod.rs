@@ -27,10 +27,12 @@ pub(in crate::physics) use workspace::SamplesWorkspace;
 
 use glam::DVec3;
 
-use self::workspace::Found;
+use self::workspace::FoundContact;
 use super::narrow;
 use super::response;
-use super::weighted::{self, GENTLE_SHARE, ModalShares, Mover, PointConstraint, PointLaw, SpringBefore, Where};
+use super::weighted::{
+    self, ContactPlane, ModalShares, Mover, PARTING_SPEED_SHARE, PointConstraint, PointLaw, SpringBefore,
+};
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::model::{ObstacleShape, Samples};
@@ -40,7 +42,7 @@ use crate::physics::step::substep::Substep;
 
 /// How often the search is repeated for points that only the velocities after contact lead into an obstacle. Those found in the
 /// last search are remembered on the side that they came from, and are pushed in the next substep.
-const ROUNDS: usize = 4;
+const MAX_SEARCH_REPEATS: usize = 4;
 
 /// Changes the predicted velocities of all particles that carry points which meet obstacles within this substep.
 pub(in crate::physics) fn meet<R: Real>(
@@ -49,21 +51,21 @@ pub(in crate::physics) fn meet<R: Real>(
     workspace: &mut SamplesWorkspace,
     recorder: &mut Recorder<'_>,
 ) {
-    workspace.keep_of_sleepers(substep.state);
+    workspace.keep_sleeping_contacts(substep.state);
     for (number, body) in substep.model.bodies.iter().enumerate() {
         let Some(samples) = body.samples.as_ref().filter(|_| !substep.state.bodies[number].asleep) else { continue };
-        workspace.found.clear();
+        workspace.found_contacts.clear();
         workspace.constraints.clear();
         workspace.movers.clear();
-        for round in 0..=ROUNDS {
+        for round in 0..=MAX_SEARCH_REPEATS {
             recorder.enter(Stage::BroadPhase);
-            let known = workspace.found.len();
-            if !find::find(substep, number, samples, velocity, workspace, &mut recorder.counters) {
+            let known = workspace.found_contacts.len();
+            if !find::find_contacts(substep, number, samples, velocity, workspace, &mut recorder.counters) {
                 break;
             }
             recorder.enter(Stage::Contact);
             constrain(substep, number, samples, known, velocity, workspace);
-            if round < ROUNDS {
+            if round < MAX_SEARCH_REPEATS {
                 solve(substep, velocity, workspace);
             }
         }
@@ -87,9 +89,9 @@ fn constrain<R: Real>(
     let sum = body.particles.clone().fold(DVec3::ZERO, |sum, particle| sum + velocity[particle].to_dvec3());
     let drift = sum / body.particles.len() as f64;
     let mut kept = first;
-    for place in first..workspace.found.len() {
-        let found = workspace.found[place];
-        let Found { sample, obstacle, normal, gap, surface_velocity } = found;
+    for place in first..workspace.found_contacts.len() {
+        let found = workspace.found_contacts[place];
+        let FoundContact { sample, obstacle, normal, gap, surface_velocity } = found;
         let (carriers, weights) = samples.point(sample);
         let start = body.particles.start;
         let places =
@@ -98,35 +100,35 @@ fn constrain<R: Real>(
         let known = memory.binary_search_by_key(&(number, sample, obstacle), SampleTouch::place);
         let depth = -gap;
         let pressed = depth.min(known.map_or(0.0, |place| memory[place].depth_m));
-        let leaving = workspace
+        let leaving_speeds = workspace
             .movers
-            .of(shares)
-            .map(|(mover, weight)| (mover.before - surface_velocity - drift).dot(normal) * weight.signum());
-        let spring = SpringBefore { depth, pressed, leaving: leaving.fold(0.0, f64::max) };
-        let at = Where { normal, carried: surface_velocity };
+            .weighted_movers(shares)
+            .map(|(mover, weight)| (mover.predicted_velocity - surface_velocity - drift).dot(normal) * weight.signum());
+        let spring = SpringBefore { depth, pressed, leaving_speed: leaving_speeds.fold(0.0, f64::max) };
+        let at = ContactPlane { normal, surface_velocity };
         let law = law(substep, number, obstacle);
         let constraint = PointConstraint::new(&law, &workspace.movers, shares, at, spring, dt.to_f64());
         // A point whose particles are all held meets nothing.
         if let Some(constraint) = constraint {
             workspace.constraints.push(constraint);
-            workspace.found[kept] = found;
+            workspace.found_contacts[kept] = found;
             kept += 1;
         }
     }
-    workspace.found.truncate(kept);
+    workspace.found_contacts.truncate(kept);
 }
 
 /// The law of a body's points at an obstacle.
 fn law<R: Real>(substep: Substep<'_, R>, number: usize, obstacle: usize) -> PointLaw {
-    let (body, rubs) = (&substep.model.bodies[number], &substep.model.obstacles[obstacle]);
+    let (body, met_obstacle) = (&substep.model.bodies[number], &substep.model.obstacles[obstacle]);
     let contact = body.contacts[obstacle].to_f64();
     PointLaw {
         stiffness: contact.stiffness,
         damping_ratio: 1.0,
         depth_limit: contact.depth_limit,
         load: body.among_bodies.load,
-        gentle: GENTLE_SHARE * body.size.to_f64(),
-        friction: [rubs.friction_static.to_f64(), rubs.friction_dynamic.to_f64()],
+        max_parting_speed: PARTING_SPEED_SHARE * body.size.to_f64(),
+        friction: [met_obstacle.friction_static.to_f64(), met_obstacle.friction_dynamic.to_f64()],
     }
 }
 
@@ -152,20 +154,20 @@ fn record<R: Real>(
 ) {
     let Substep { model, state, .. } = substep;
     let (start, dt) = (model.bodies[number].particles.start, substep.dt.to_f64());
-    let SamplesWorkspace { found, constraints, movers, contacts, touches, deepest, .. } = workspace;
+    let SamplesWorkspace { found_contacts, constraints, movers, contacts, touches, deepest, .. } = workspace;
     let mean = |mover: &Mover| {
         let particle = mover.particle as usize;
         let both = state.velocity[particle].to_dvec3() + velocity[particle].to_dvec3();
-        if mover.mobility > 0.0 { both * 0.5 } else { mover.before }
+        if mover.mobility > 0.0 { both * 0.5 } else { mover.predicted_velocity }
     };
-    let rubs = |obstacle: usize| response::has_friction(&model.obstacles[obstacle]);
+    let has_friction = |obstacle: usize| response::has_friction(&model.obstacles[obstacle]);
     let counters = &mut recorder.counters;
-    for (found, constraint) in found.iter().zip(constraints) {
-        let &Found { sample, obstacle, normal, gap, surface_velocity } = found;
+    for (found, constraint) in found_contacts.iter().zip(constraints) {
+        let &FoundContact { sample, obstacle, normal, gap, surface_velocity } = found;
         let (carriers, weights) = samples.point(sample);
         let carriers = carriers.map(|carrier| start + carrier as usize);
         let force = constraint.impulse() / dt;
-        counters.frictions += u64::from(force != DVec3::ZERO && rubs(obstacle));
+        counters.frictions += u64::from(force != DVec3::ZERO && has_friction(obstacle));
         counters.obstacle_work_j += force.dot(surface_velocity) * dt;
         counters.fastest_surface_m_s = counters.fastest_surface_m_s.max(surface_velocity.length());
         counters.parting_work_j += constraint.parting_work(mean, movers, dt);
@@ -180,19 +182,19 @@ fn record<R: Real>(
             surface_velocity,
             force,
         });
-        let depth = -(gap + dt * constraint.past(movers).dot(normal));
-        let widest = carriers.iter().map(|carrier| state.position[*carrier]);
-        let widest = widest.fold(R::Vec3::ZERO, |widest, at| widest.max(at).max(-at));
-        let (margin, side) = match &substep.obstacles.met(number, obstacle).shape {
+        let depth = -(gap + dt * constraint.relative_velocity(movers).dot(normal));
+        let largest_coordinates = carriers.iter().map(|carrier| state.position[*carrier]);
+        let largest_coordinates = largest_coordinates.fold(R::Vec3::ZERO, |largest, at| largest.max(at).max(-at));
+        let (margin, side) = match &substep.obstacles.for_body(number, obstacle).shape {
             ObstacleShape::Plane(plane) => {
                 let is_upper = normal.dot(plane.normal.to_dvec3()) > 0.0;
-                (narrow::plane::rounding_margin(plane, widest).to_f64(), if is_upper { 1 } else { -1 })
+                (narrow::plane::rounding_margin(plane, largest_coordinates).to_f64(), if is_upper { 1 } else { -1 })
             }
             ObstacleShape::Mesh(mesh) if mesh.side_row.is_some() => {
                 let at = carriers.iter().zip(weights).map(|(at, weight)| state.position[*at].to_dvec3() * *weight);
                 let at = R::Vec3::from_dvec3(at.sum());
                 let is_upper = narrow::mesh::is_upper(mesh, at, R::Vec3::from_dvec3(normal));
-                (narrow::mesh::rounding_margin(mesh, widest).to_f64(), if is_upper { 1 } else { -1 })
+                (narrow::mesh::rounding_margin(mesh, largest_coordinates).to_f64(), if is_upper { 1 } else { -1 })
             }
             _ => (0.0, 0),
         };

@@ -15,7 +15,7 @@ use crate::physics::state::touch::SampleTouch;
 const MARGIN: f64 = 0.5;
 
 /// How much rounding error may take off a box, as a share of its size and of its distance from the origin.
-const ROUNDING: f64 = 1e-5;
+const ROUNDING_SHARE: f64 = 1e-5;
 
 /// Whether any body that meets obstacles with its mesh comes near one in the next `secs`, or touches one.
 pub(in crate::physics) fn comes_near<R: Real>(
@@ -35,11 +35,11 @@ pub(in crate::physics) fn comes_near<R: Real>(
         let secs = R::from_f64(secs);
         let ahead = Aabb { min: at.min + fast.min * secs, max: at.max + fast.max * secs };
         let margin = R::from_f64(MARGIN * body.lattice.grid.cell_size);
-        let all = around_all(at.joined(ahead), samples).grown(margin);
-        let mut near = (0..model.obstacles.len()).map(|obstacle| &obstacles.met(number, obstacle).bounds);
+        let all = bounds_of_all(at.joined(ahead), samples).grown(margin);
+        let mut near = (0..model.obstacles.len()).map(|obstacle| &obstacles.for_body(number, obstacle).bounds);
         near.any(|around| {
             let (position, velocity) = (&state.position[own.clone()], &state.velocity[own.clone()]);
-            let cell_is_near = |cell| motion(cell, position, velocity, secs).grown(margin).overlaps(around);
+            let cell_is_near = |cell| motion_bounds(cell, position, velocity, secs).grown(margin).overlaps(around);
             all.overlaps(around) && samples.cells.iter().any(cell_is_near)
         })
     })
@@ -54,7 +54,12 @@ pub(super) fn touches_of<R: Real>(state: &State<R>, body: usize) -> &[SampleTouc
 
 /// Returns a box around the motion of a cell's points in the next `secs`. `position` (m) and `velocity` (m/s) are those of the
 /// body's particles.
-pub(super) fn motion<R: Real>(cell: &SampledCell, position: &[R::Vec3], velocity: &[R::Vec3], secs: R) -> Aabb<R> {
+pub(super) fn motion_bounds<R: Real>(
+    cell: &SampledCell,
+    position: &[R::Vec3],
+    velocity: &[R::Vec3],
+    secs: R,
+) -> Aabb<R> {
     let ends = cell.carriers.iter().flat_map(|carrier| {
         let at = position[*carrier as usize];
         [at, at + velocity[*carrier as usize] * secs]
@@ -63,7 +68,7 @@ pub(super) fn motion<R: Real>(cell: &SampledCell, position: &[R::Vec3], velocity
 }
 
 /// Returns a box around all points of a body whose particles are in the box `bounds`.
-pub(super) fn around_all<R: Real>(bounds: Aabb<R>, samples: &Samples) -> Aabb<R> {
+pub(super) fn bounds_of_all<R: Real>(bounds: Aabb<R>, samples: &Samples) -> Aabb<R> {
     grown(bounds, samples.cells.iter().fold(1.0, |reach, cell| reach.max(cell.reach)))
 }
 
@@ -71,6 +76,6 @@ pub(super) fn around_all<R: Real>(bounds: Aabb<R>, samples: &Samples) -> Aabb<R>
 fn grown<R: Real>(bounds: Aabb<R>, times: f64) -> Aabb<R> {
     let half = (bounds.max - bounds.min) * R::from_f64(0.5);
     let far = bounds.max.max(-bounds.max).max(bounds.min.max(-bounds.min));
-    let more = half * R::from_f64(times - 1.0) + (half + far) * R::from_f64(ROUNDING);
+    let more = half * R::from_f64(times - 1.0) + (half + far) * R::from_f64(ROUNDING_SHARE);
     Aabb { min: bounds.min - more, max: bounds.max + more }
 }

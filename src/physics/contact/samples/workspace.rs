@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::record::SampleContact;
 use crate::math::Real;
-use crate::physics::contact::narrow::mesh::Known;
+use crate::physics::contact::narrow::mesh::NearestPointCache;
 use crate::physics::contact::weighted::{Movers, PointConstraint};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
@@ -12,11 +12,11 @@ use crate::physics::state::State;
 use crate::physics::state::touch::SampleTouch;
 
 /// Particles that a contact weighs.
-const WEIGHED: usize = 8;
+const CONTACT_PARTICLES: usize = 8;
 
 /// A point of the present body that meets an obstacle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
+pub(super) struct FoundContact {
     /// The point, by its number in the body.
     pub(super) sample: usize,
     pub(super) obstacle: usize,
@@ -32,15 +32,15 @@ pub(super) struct Found {
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct SamplesWorkspace {
     /// The first point of each body among those of all.
-    pub(super) first: Vec<usize>,
+    pub(super) first_sample: Vec<usize>,
     /// Cached search results of every point and mesh obstacle, by point.
-    pub(super) known: Vec<Known>,
+    pub(super) caches: Vec<NearestPointCache>,
     /// The obstacles that the present body may meet.
-    pub(super) near: Vec<usize>,
+    pub(super) near_obstacles: Vec<usize>,
     /// The contacts of the present body.
-    pub(super) found: Vec<Found>,
+    pub(super) found_contacts: Vec<FoundContact>,
     /// The same as pairs of point and obstacle, sorted.
-    pub(super) met: Vec<(usize, usize)>,
+    pub(super) found_pairs: Vec<(usize, usize)>,
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
     /// The contacts of the last substep, by body, point and obstacle.
@@ -58,17 +58,17 @@ impl SamplesWorkspace {
             return Self::default();
         }
         let counts = model.bodies.iter().map(BodyModel::sample_count);
-        let first = counts.scan(0, |next, count| Some(std::mem::replace(next, *next + count))).collect();
+        let first_sample = counts.scan(0, |next, count| Some(std::mem::replace(next, *next + count))).collect();
         let largest = model.bodies.iter().map(BodyModel::sample_count).max().unwrap_or(0);
         let (pairs, most) = (model.points_in_contact(), model.obstacles.len());
         let of_one = largest * most.min(3);
         Self {
-            first,
-            known: vec![Known::default(); model.sample_count() * model.mesh_count()],
-            near: Vec::with_capacity(most),
-            found: Vec::with_capacity(of_one),
-            met: Vec::with_capacity(of_one),
-            movers: Movers::new(model.particle_count(), WEIGHED * of_one),
+            first_sample,
+            caches: vec![NearestPointCache::default(); model.sample_count() * model.mesh_count()],
+            near_obstacles: Vec::with_capacity(most),
+            found_contacts: Vec::with_capacity(of_one),
+            found_pairs: Vec::with_capacity(of_one),
+            movers: Movers::new(model.particle_count(), CONTACT_PARTICLES * of_one),
             constraints: Vec::with_capacity(of_one),
             contacts: Vec::with_capacity(pairs),
             touches: Vec::with_capacity(pairs),
@@ -77,12 +77,12 @@ impl SamplesWorkspace {
     }
 
     /// How many contacts push.
-    pub(in crate::physics) fn pushing(&self) -> usize {
+    pub(in crate::physics) fn pushing_count(&self) -> usize {
         self.contacts.iter().filter(|contact| contact.force != DVec3::ZERO).count()
     }
 
     /// Forgets all contacts and touches but those of sleeping bodies.
-    pub(in crate::physics) fn keep_of_sleepers<R: Real>(&mut self, state: &State<R>) {
+    pub(in crate::physics) fn keep_sleeping_contacts<R: Real>(&mut self, state: &State<R>) {
         self.contacts.retain(|contact| state.bodies[contact.body].asleep);
         self.touches.clear();
         self.touches.extend(state.touches.iter().filter(|touch| state.bodies[touch.body].asleep));

@@ -4,18 +4,18 @@
 use glam::DVec3;
 
 use super::MeetingPoints;
-use super::way::{SAME_MIDDLE, WayOut, shortest};
+use super::way::{SAME_MIDDLE_TOLERANCE, WayOut, shortest};
 use crate::math::{Real, Vector};
 use crate::physics::model::{MeshModel, ObstacleShape};
 
 /// Most times that a way is made longer: a point that leaves one part of a mesh may enter the next.
-const ROUNDS: usize = 12;
+const MAX_ROUNDS: usize = 12;
 
 /// Nothing of a mesh is farther ahead of a point in the box around it, over the length of the mesh.
-const REACH: f64 = 8.0;
+const RAY_LENGTH: f64 = 8.0;
 
 /// A point this far out of a mesh, over the length of the mesh, counts as out.
-const CLEAR: f64 = 1e-6;
+const CLEARANCE: f64 = 1e-6;
 
 /// Returns the shortest of some ways out. `was` is the obstacle that the body met before; it counts if it was a mesh.
 pub(super) fn way_out<R: Real>(
@@ -35,7 +35,7 @@ pub(super) fn way_out<R: Real>(
     };
     // A particle may stay as deep as it was in contact before.
     let allowed = |at: R::Vec3| was.map_or(0.0, |was| depth(was, at)) + margin;
-    let free = || points.free().map(|(_, at)| at);
+    let free = || points.free_points().map(|(_, at)| at);
     let inside = free().filter(|at| depth(mesh, *at) > allowed(*at));
     let inside: Vec<DVec3> = inside.map(|at| mesh.own(at)).collect();
     let pierced = pierced(points, mesh);
@@ -50,43 +50,47 @@ pub(super) fn way_out<R: Real>(
     let up = (-model.gravity.to_dvec3()).try_normalize().unwrap_or(DVec3::Y);
     let radial = points.middle() - mesh.center.to_dvec3();
     // Where the middles coincide, the vector between them is rounding error and no direction.
-    let told = (radial.length() > SAME_MIDDLE * body.size.to_f64()).then_some(radial);
+    let reliable_radial = (radial.length() > SAME_MIDDLE_TOLERANCE * body.size.to_f64()).then_some(radial);
     let [outwards, facing] = [outwards, facing].map(|own| mesh.in_scene(own));
-    let ways = [outwards, facing, -facing, up].into_iter().chain(told).filter_map(DVec3::try_normalize);
+    let directions =
+        [outwards, facing, -facing, up].into_iter().chain(reliable_radial).filter_map(DVec3::try_normalize);
     let all: Vec<DVec3> = free().map(|at| mesh.own(at)).chain(pierced.iter().map(|(at, _)| *at)).collect();
-    let length_m = |way: DVec3| {
-        let own = mesh.own_way(way) * mesh.length;
+    let length_m = |direction: DVec3| {
+        let own = mesh.own_way(direction) * mesh.length;
         let length = if pierced.is_empty() { length_out(mesh, &inside, own) } else { length_past(mesh, &all, own) };
         mesh.length * length + margin
     };
-    let found = shortest(model.gravity.to_dvec3(), ways.map(|way| WayOut { way, length_m: length_m(way) }));
+    let found = shortest(
+        model.gravity.to_dvec3(),
+        directions.map(|direction| WayOut { direction, length_m: length_m(direction) }),
+    );
     found.filter(|out| out.length_m > margin)
 }
 
 /// How far points have to go along a way of length 1 until none of them is inside, in the mesh's own axes and unit.
-fn length_out<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f64 {
-    let ahead = |at: DVec3| mesh.surface.pierced(at, way * REACH, false).map(|hit| hit.t * REACH);
-    let mut gone = 0.0;
-    for _ in 0..ROUNDS {
+fn length_out<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], direction: DVec3) -> f64 {
+    let ahead = |at: DVec3| mesh.surface.pierced(at, direction * RAY_LENGTH, false).map(|hit| hit.t * RAY_LENGTH);
+    let mut distance = 0.0;
+    for _ in 0..MAX_ROUNDS {
         let deeper = |at: &DVec3| {
-            let at = *at + way * gone;
-            if mesh.surface.holds(at) { ahead(at).unwrap_or(0.0) + CLEAR } else { 0.0 }
+            let at = *at + direction * distance;
+            if mesh.surface.holds(at) { ahead(at).unwrap_or(0.0) + CLEARANCE } else { 0.0 }
         };
         let more = points.iter().map(deeper).fold(0.0, f64::max);
         if more <= 0.0 {
             break;
         }
-        gone += more;
+        distance += more;
     }
-    gone
+    distance
 }
 
 /// How far points have to go until no part of the mesh is ahead of any of them. Used where lines go right through the mesh:
 /// points on both sides of it are outside.
-fn length_past<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f64 {
+fn length_past<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], direction: DVec3) -> f64 {
     let last = |at: &DVec3| {
-        let back = mesh.surface.pierced(*at + way * REACH, way * -REACH, false);
-        back.map_or(0.0, |hit| REACH * (1.0 - hit.t) + CLEAR)
+        let back = mesh.surface.pierced(*at + direction * RAY_LENGTH, direction * -RAY_LENGTH, false);
+        back.map_or(0.0, |hit| RAY_LENGTH * (1.0 - hit.t) + CLEARANCE)
     };
     points.iter().map(last).fold(0.0, f64::max)
 }
@@ -95,15 +99,15 @@ fn length_past<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], way: DVec3) -> f6
 fn pierced<R: Real>(points: &MeetingPoints<'_, R>, mesh: &MeshModel<R>) -> Vec<(DVec3, DVec3)> {
     let ends = points.lines().map(|ends| ends.map(|end| mesh.own(end)));
     let pierced = ends.filter_map(|[a, b]| {
-        let way = b - a;
-        if mesh.surface.is_beyond(a, way.length()) || mesh.surface.holds(a) || mesh.surface.holds(b) {
+        let direction = b - a;
+        if mesh.surface.is_beyond(a, direction.length()) || mesh.surface.holds(a) || mesh.surface.holds(b) {
             return None;
         }
-        let hit = mesh.surface.pierced(a, way, false)?;
+        let hit = mesh.surface.pierced(a, direction, false)?;
         // Within a thin wall, a little behind its near side.
-        let through = if mesh.surface.is_closed() { CLEAR } else { 0.0 };
-        let normal = if way.dot(hit.normal) < 0.0 { hit.normal } else { -hit.normal };
-        Some((a + way * hit.t - normal * through, normal))
+        let through = if mesh.surface.is_closed() { CLEARANCE } else { 0.0 };
+        let normal = if direction.dot(hit.normal) < 0.0 { hit.normal } else { -hit.normal };
+        Some((a + direction * hit.t - normal * through, normal))
     });
     pierced.collect()
 }

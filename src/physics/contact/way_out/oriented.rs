@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::MeetingPoints;
-use super::way::{SAME_MIDDLE, WayOut, shortest};
+use super::way::{SAME_MIDDLE_TOLERANCE, WayOut, shortest};
 use crate::math::{Real, Vector};
 use crate::physics::contact::narrow::oriented::{crossing, nearest};
 use crate::physics::contact::surface::Crossing;
@@ -21,7 +21,7 @@ pub(super) fn way_out<R: Real>(
         Some(ObstacleShape::Oriented(was)) => Some(was.to_f64()),
         _ => None,
     };
-    let free = || points.free().map(|(_, at)| at.to_dvec3());
+    let free = || points.free_points().map(|(_, at)| at.to_dvec3());
     let margin = 8.0 * R::EPSILON.to_f64() * (size(&solid.form) + solid.center.abs().max_element());
     // A particle may stay as deep as it was in contact before.
     let allowed = |at: DVec3| was.as_ref().map_or(0.0, |was| depth(was, at).max(0.0));
@@ -31,22 +31,22 @@ pub(super) fn way_out<R: Real>(
         return None;
     }
     let inside: Vec<DVec3> = free().chain(pierced).collect();
-    let length_m = |way: DVec3| {
-        let leaves = |at: DVec3| {
+    let length_m = |direction: DVec3| {
+        let distance_out = |at: DVec3| {
             let form = grown(&solid.form, margin - allowed(at));
-            let crossing = crossing(&form, solid.own(at - solid.center), solid.own(way));
+            let crossing = crossing(&form, solid.own(at - solid.center), solid.own(direction));
             crossing.map_or(0.0, |crossing| crossing.leave.max(0.0))
         };
-        inside.iter().copied().map(leaves).fold(0.0, f64::max)
+        inside.iter().copied().map(distance_out).fold(0.0, f64::max)
     };
     let gravity = model.gravity.to_dvec3();
     let up = (-gravity).try_normalize().unwrap_or(DVec3::Y);
     let radial = points.middle() - solid.center;
     // Where the middles coincide, the vector between them is rounding error and no direction.
-    let told = (radial.length() > SAME_MIDDLE * body.size.to_f64()).then_some(radial);
+    let reliable_radial = (radial.length() > SAME_MIDDLE_TOLERANCE * body.size.to_f64()).then_some(radial);
     let axes = solid.axes.into_iter().flat_map(|axis| [axis, -axis]);
-    let ways = axes.chain([up]).chain(told).filter_map(DVec3::try_normalize);
-    let found = shortest(gravity, ways.map(|way| WayOut { way, length_m: length_m(way) }));
+    let directions = axes.chain([up]).chain(reliable_radial).filter_map(DVec3::try_normalize);
+    let found = shortest(gravity, directions.map(|direction| WayOut { direction, length_m: length_m(direction) }));
     found.filter(|out| out.length_m > 0.0)
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::way::free;
+use super::way::free_particles;
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Samples};
@@ -18,7 +18,7 @@ pub(in crate::physics::contact) struct MeetingPoints<'a, R: Real> {
     /// The points of its mesh, where those meet obstacles.
     samples: Option<&'a Samples>,
     /// Which of its particles carry such points; empty where there are none.
-    carry: Vec<bool>,
+    is_carrier: Vec<bool>,
 }
 
 impl<'a, R: Real> MeetingPoints<'a, R> {
@@ -30,11 +30,11 @@ impl<'a, R: Real> MeetingPoints<'a, R> {
     ) -> Self {
         let body = &model.bodies[number];
         let samples = body.samples.as_deref().filter(|_| plan.on_mesh.is_some());
-        let mut carry = vec![false; if samples.is_some() { body.particles.len() } else { 0 }];
+        let mut is_carrier = vec![false; if samples.is_some() { body.particles.len() } else { 0 }];
         for carrier in samples.iter().flat_map(|samples| &samples.cells).flat_map(|cell| cell.carriers) {
-            carry[carrier as usize] = true;
+            is_carrier[carrier as usize] = true;
         }
-        Self { model, number, body, position, samples, carry }
+        Self { model, number, body, position, samples, is_carrier }
     }
 
     /// Whether the points are those of the body's mesh.
@@ -49,8 +49,8 @@ impl<'a, R: Real> MeetingPoints<'a, R> {
     }
 
     /// The points that are free to move, with their numbers: those of particles in the state, or of mesh points in the body.
-    pub(super) fn free(&self) -> impl Iterator<Item = (usize, R::Vec3)> {
-        let particles = free(self.body).filter(|_| self.samples.is_none());
+    pub(super) fn free_points(&self) -> impl Iterator<Item = (usize, R::Vec3)> {
+        let particles = free_particles(self.body).filter(|_| self.samples.is_none());
         let particles = particles.map(|particle| (particle, self.position[particle]));
         let samples = self.samples.into_iter().flat_map(|samples| (0..samples.count()).map(move |of| (samples, of)));
         let samples = samples.filter_map(|(samples, of)| {
@@ -58,7 +58,7 @@ impl<'a, R: Real> MeetingPoints<'a, R> {
             let is_free = carriers.iter().any(|carrier| !self.body.is_pinned(*carrier as usize));
             is_free.then(|| {
                 let terms = carriers.iter().zip(weights);
-                (of, R::Vec3::from_dvec3(terms.map(|(at, weight)| self.local(*at).to_dvec3() * *weight).sum()))
+                (of, R::Vec3::from_dvec3(terms.map(|(at, weight)| self.local_position(*at).to_dvec3() * *weight).sum()))
             })
         });
         particles.chain(samples)
@@ -69,21 +69,22 @@ impl<'a, R: Real> MeetingPoints<'a, R> {
     pub(super) fn lines(&self) -> impl Iterator<Item = [R::Vec3; 2]> {
         let links = self.body.links.iter().flat_map(|family| family.links.iter());
         let within = links.filter(|link| !link.ends.iter().any(|end| self.carries(*end)));
-        let links = within.map(|link| link.ends.map(|end| self.local(end)));
-        let inwards = self.samples.into_iter().flat_map(|samples| self.free().map(move |point| (samples, point)));
+        let links = within.map(|link| link.ends.map(|end| self.local_position(end)));
+        let inwards =
+            self.samples.into_iter().flat_map(|samples| self.free_points().map(move |point| (samples, point)));
         let inwards = inwards.map(|(samples, (of, at))| {
             let carriers = samples.point(of).0.iter();
-            let sum = carriers.fold(R::Vec3::ZERO, |sum, carrier| sum + self.local(*carrier));
+            let sum = carriers.fold(R::Vec3::ZERO, |sum, carrier| sum + self.local_position(*carrier));
             [at, sum * R::from_f64(0.125)]
         });
         links.chain(inwards)
     }
 
     fn carries(&self, particle: u32) -> bool {
-        self.carry.get(particle as usize) == Some(&true)
+        self.is_carrier.get(particle as usize) == Some(&true)
     }
 
-    fn local(&self, particle: u32) -> R::Vec3 {
+    fn local_position(&self, particle: u32) -> R::Vec3 {
         self.position[self.body.particles.start + particle as usize]
     }
 }

@@ -23,25 +23,25 @@ use super::movers::{Mover, Movers, Shares};
 pub(in crate::physics::contact) struct PointConstraint {
     shares: Shares,
     /// The velocity of the surface that the point meets, m/s; zero where it meets a cell.
-    carried: DVec3,
+    surface_velocity: DVec3,
     /// The inverse of the effective mass along the normal, and an upper bound of that across it, 1/kg.
     mobility: [f64; 2],
     normal: DVec3,
     /// The impulse of the spring at zero speed, N·s.
-    push: f64,
+    impulse_at_rest: f64,
     /// The impulse of the spring and its damping against a speed, over that speed, kg.
     resistance: f64,
     /// The least speed along the normal, m/s: the point gets no deeper than the limit, or than it was.
-    slowest: f64,
+    min_normal_velocity: f64,
     /// The speed at which a point is parted that is deeper than its spring is pressed, m/s.
-    parting: f64,
+    parting_speed: f64,
     /// The largest impulse for parting it, N·s.
-    most_parting: f64,
+    max_parting_impulse: f64,
     spring: SpringBefore,
     law: PointLaw,
     /// The impulse so far along the normal, N·s, and across it.
-    pushed: f64,
-    rubbed: DVec3,
+    normal_impulse: f64,
+    friction_impulse: DVec3,
 }
 
 /// The spring of a contact when a substep begins.
@@ -53,54 +53,54 @@ pub(in crate::physics::contact) struct SpringBefore {
     pub(in crate::physics::contact) pressed: f64,
     /// The largest speed of one of its particles past its own body in the direction of parting, m/s: the contact was parted
     /// before.
-    pub(in crate::physics::contact) leaving: f64,
+    pub(in crate::physics::contact) leaving_speed: f64,
 }
 
 impl SpringBefore {
     /// How much deeper the point is than the spring is pressed, m.
-    fn beyond(&self) -> f64 {
+    fn excess_depth(&self) -> f64 {
         (self.depth - self.pressed.max(0.0)).max(0.0)
     }
 }
 
 /// The energy that a contact gives the bodies, J.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::physics::contact) struct Given {
+pub(in crate::physics::contact) struct EnergyGain {
     /// By its push, and to its spring.
     pub(in crate::physics::contact) normal: f64,
     /// By friction: negative where it brakes.
     pub(in crate::physics::contact) friction: f64,
     /// The most that parting may give.
-    pub(in crate::physics::contact) parting: f64,
+    pub(in crate::physics::contact) max_parting: f64,
 }
 
 /// Below this mobility a push moves nothing by more than rounding error, 1/kg.
-const HELD: f64 = 1e-12;
+const MIN_MOBILITY: f64 = 1e-12;
 
 /// In a second, points are parted by at most this many times the depth by which they are too deep.
 const PARTING_RATE: f64 = 10.0;
 
 /// The force that parts points is at most the load on them and what gives them that speed in one over this, 1/s. So it does not
 /// work for ever against links that pull them together.
-const PARTING_PUSH: f64 = 100.0;
+const PARTING_FORCE_RATE: f64 = 100.0;
 
 /// A spring is pressed no further than if it pushed this many times as hard as it does: the rounds settle to a smaller error.
-const UNSETTLED: f64 = 2.0;
+const MAX_PRESS_RATIO: f64 = 2.0;
 
 /// Which friction is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::physics::contact) enum Rubbing {
-    Nothing,
+pub(in crate::physics::contact) enum PointFriction {
+    Without,
     Coulomb,
 }
 
 /// Where a point meets something.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics::contact) struct Where {
+pub(in crate::physics::contact) struct ContactPlane {
     /// Unit normal, away from what it meets.
     pub(in crate::physics::contact) normal: DVec3,
     /// The velocity of the surface that it meets, m/s; zero where it meets a cell.
-    pub(in crate::physics::contact) carried: DVec3,
+    pub(in crate::physics::contact) surface_velocity: DVec3,
 }
 
 impl PointConstraint {
@@ -110,96 +110,106 @@ impl PointConstraint {
         law: &PointLaw,
         movers: &Movers,
         shares: Shares,
-        Where { normal, carried }: Where,
+        ContactPlane { normal, surface_velocity }: ContactPlane,
         spring: SpringBefore,
         dt: f64,
     ) -> Option<Self> {
         let [along, across] = movers.mobility(shares, normal);
-        if along <= HELD {
+        if along <= MIN_MOBILITY {
             return None;
         }
         let damping = 2.0 * law.damping_ratio * (law.stiffness / along).sqrt();
         let resistance = dt * (dt * law.stiffness + damping);
-        let SpringBefore { depth, pressed, leaving } = spring;
+        let SpringBefore { depth, pressed, leaving_speed } = spring;
         // A contact that already leaves fast is not parted: in a soft, light body each cell would be parted from the next,
         // faster and faster, and the body would blow up.
-        let parting = if leaving < law.gentle { law.gentle.min(PARTING_RATE * spring.beyond()) } else { 0.0 };
-        let most_parting = dt * (law.load + PARTING_PUSH * parting / along);
-        let push = dt * law.stiffness * pressed.min(law.depth_limit);
-        let slowest = -(law.depth_limit.max(depth) - depth) / dt;
+        let parting_speed = if leaving_speed < law.max_parting_speed {
+            law.max_parting_speed.min(PARTING_RATE * spring.excess_depth())
+        } else {
+            0.0
+        };
+        let max_parting_impulse = dt * (law.load + PARTING_FORCE_RATE * parting_speed / along);
+        let impulse_at_rest = dt * law.stiffness * pressed.min(law.depth_limit);
+        let min_normal_velocity = -(law.depth_limit.max(depth) - depth) / dt;
         Some(Self {
             shares,
-            carried,
+            surface_velocity,
             mobility: [along, across],
             normal,
-            push,
+            impulse_at_rest,
             resistance,
-            slowest,
-            parting,
-            most_parting,
+            min_normal_velocity,
+            parting_speed,
+            max_parting_impulse,
             spring,
             law: *law,
-            pushed: 0.0,
-            rubbed: DVec3::ZERO,
+            normal_impulse: 0.0,
+            friction_impulse: DVec3::ZERO,
         })
     }
 
     /// Sets its impulse to zero.
     pub(in crate::physics::contact) fn reset(&mut self) {
-        (self.pushed, self.rubbed) = (0.0, DVec3::ZERO);
+        (self.normal_impulse, self.friction_impulse) = (0.0, DVec3::ZERO);
     }
 
     /// The impulse on the point, N·s.
     pub(in crate::physics::contact) fn impulse(&self) -> DVec3 {
-        self.normal * self.pushed + self.rubbed
+        self.normal * self.normal_impulse + self.friction_impulse
     }
 
     /// Solves this contact for the velocities that the others leave. Returns by how much its impulse changed, N·s.
-    pub(in crate::physics::contact) fn solve(&mut self, rubbing: Rubbing, movers: &mut Movers) -> f64 {
-        let past = self.past(movers);
-        let along = past.dot(self.normal);
+    pub(in crate::physics::contact) fn solve(&mut self, friction: PointFriction, movers: &mut Movers) -> f64 {
+        let relative_velocity = self.relative_velocity(movers);
+        let along = relative_velocity.dot(self.normal);
         let [mobility, across] = self.mobility;
-        let [sprung, parted] = [self.push, self.resistance * self.parting].map(|push| {
-            self.pushed + (push - self.resistance * along - self.pushed) / (1.0 + self.resistance * mobility)
+        let [sprung, parted] = [self.impulse_at_rest, self.resistance * self.parting_speed].map(|impulse_at_rest| {
+            self.normal_impulse
+                + (impulse_at_rest - self.resistance * along - self.normal_impulse) / (1.0 + self.resistance * mobility)
         });
-        let stopped = self.pushed + (self.slowest - along) / mobility;
-        let pushed = sprung.max(parted.min(self.most_parting)).max(stopped).max(0.0);
-        let mut change = self.normal * (pushed - self.pushed);
-        self.pushed = pushed;
+        let stopped = self.normal_impulse + (self.min_normal_velocity - along) / mobility;
+        let normal_impulse = sprung.max(parted.min(self.max_parting_impulse)).max(stopped).max(0.0);
+        let mut change = self.normal * (normal_impulse - self.normal_impulse);
+        self.normal_impulse = normal_impulse;
         // A point far deeper than its spring is pressed does not rub: points that leave by all sides would hold each other.
-        if rubbing == Rubbing::Coulomb && across > HELD && self.spring.beyond() <= self.law.depth_limit {
-            let sliding = past - self.normal * along;
-            let wanted = self.rubbed - sliding * (1.0 / across);
+        if friction == PointFriction::Coulomb
+            && across > MIN_MOBILITY
+            && self.spring.excess_depth() <= self.law.depth_limit
+        {
+            let sliding = relative_velocity - self.normal * along;
+            let wanted = self.friction_impulse - sliding * (1.0 / across);
             let strength = wanted.length();
-            let held = strength <= self.law.friction[0] * pushed;
-            let most = if held { strength } else { (self.law.friction[1] * pushed).min(strength) };
-            let rubbed = if strength > 0.0 { wanted * (most / strength) } else { DVec3::ZERO };
-            change += rubbed - self.rubbed;
-            self.rubbed = rubbed;
+            let held = strength <= self.law.friction[0] * normal_impulse;
+            let most = if held { strength } else { (self.law.friction[1] * normal_impulse).min(strength) };
+            let friction_impulse = if strength > 0.0 { wanted * (most / strength) } else { DVec3::ZERO };
+            change += friction_impulse - self.friction_impulse;
+            self.friction_impulse = friction_impulse;
         }
         movers.push(self.shares, change);
         change.length()
     }
 
     /// The velocity of the point relative to what it meets, m/s.
-    pub(in crate::physics::contact) fn past(&self, movers: &Movers) -> DVec3 {
-        movers.now(self.shares) - self.carried
+    pub(in crate::physics::contact) fn relative_velocity(&self, movers: &Movers) -> DVec3 {
+        movers.velocity_now(self.shares) - self.surface_velocity
     }
 
     /// How far its spring is pressed at the end of a substep of `dt` (s), m.
     pub(in crate::physics::contact) fn pressed_at_end(&self, movers: &Movers, dt: f64) -> f64 {
-        let way = dt * self.past(movers).dot(self.normal);
-        pressed_at_end(self.spring.pressed, way, self.pushed / (dt * self.law.stiffness)).min(self.law.depth_limit)
+        let way = dt * self.relative_velocity(movers).dot(self.normal);
+        pressed_at_end(self.spring.pressed, way, self.normal_impulse / (dt * self.law.stiffness))
+            .min(self.law.depth_limit)
     }
 
     /// Returns the energy that the contact gives the bodies in a substep of `dt` (s), J: kinetic energy and what its spring
     /// gains. An impulse changes the kinetic energy by its product with the mean of the velocities before and after.
-    pub(in crate::physics::contact) fn given(&self, movers: &Movers, dt: f64) -> Given {
-        let mean = 0.5 * (movers.before(self.shares) - self.carried + self.past(movers));
-        Given {
-            normal: self.pushed * mean.dot(self.normal) + self.stored(movers, dt),
-            friction: self.rubbed.dot(mean),
-            parting: 0.5 * self.parting * self.parting / self.mobility[0],
+    pub(in crate::physics::contact) fn energy_gain(&self, movers: &Movers, dt: f64) -> EnergyGain {
+        let mean =
+            0.5 * (movers.predicted_velocity(self.shares) - self.surface_velocity + self.relative_velocity(movers));
+        EnergyGain {
+            normal: self.normal_impulse * mean.dot(self.normal) + self.spring_energy_gain(movers, dt),
+            friction: self.friction_impulse.dot(mean),
+            max_parting: 0.5 * self.parting_speed * self.parting_speed / self.mobility[0],
         }
     }
 
@@ -212,23 +222,23 @@ impl PointConstraint {
         movers: &Movers,
         dt: f64,
     ) -> f64 {
-        if self.spring.beyond() <= 0.0 {
+        if self.spring.excess_depth() <= 0.0 {
             return 0.0;
         }
-        let mean = movers.with(self.shares, mean) - self.carried;
-        (self.pushed * mean.dot(self.normal) + self.stored(movers, dt)).max(0.0)
+        let mean = movers.velocity_with(self.shares, mean) - self.surface_velocity;
+        (self.normal_impulse * mean.dot(self.normal) + self.spring_energy_gain(movers, dt)).max(0.0)
     }
 
     /// Returns the energy that its spring gains in a substep of `dt` (s), J.
-    fn stored(&self, movers: &Movers, dt: f64) -> f64 {
+    fn spring_energy_gain(&self, movers: &Movers, dt: f64) -> f64 {
         self.law.energy(self.pressed_at_end(movers, dt)) - self.law.energy(self.spring.pressed)
     }
 }
 
 /// Returns how far a spring is pressed at the end of a substep that was pressed by `before`, whose point went out by `way`, and
-/// whose push is that of a spring pressed by `carrying`, all in m. That is no more than `before` or `UNSETTLED` times `carrying`:
-/// where rounds end before all contacts have settled, others lead the point deeper, and its spring would have energy from
-/// nowhere.
+/// whose push is that of a spring pressed by `carrying`, all in m. That is no more than `before` or `MAX_PRESS_RATIO` times
+/// `carrying`: where rounds end before all contacts have settled, others lead the point deeper, and its spring would have
+/// energy from nowhere.
 pub(in crate::physics) fn pressed_at_end(before: f64, way: f64, carrying: f64) -> f64 {
-    (before - way).clamp(0.0, before.max(UNSETTLED * carrying))
+    (before - way).clamp(0.0, before.max(MAX_PRESS_RATIO * carrying))
 }

@@ -8,7 +8,7 @@ pub const DEPTH_SHARE: f64 = 0.02;
 
 /// A point that is inside something without having pressed its spring leaves no faster than this share of its body's size in a
 /// second.
-pub(in crate::physics) const GENTLE_SHARE: f64 = 0.5;
+pub(in crate::physics) const PARTING_SPEED_SHARE: f64 = 0.5;
 
 /// The law of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub(in crate::physics) struct PointLaw {
     /// The most that one point may have to carry, N.
     pub(in crate::physics::contact) load: f64,
     /// Largest speed at which a point leaves that is deeper than its spring is pressed, m/s.
-    pub(in crate::physics::contact) gentle: f64,
+    pub(in crate::physics::contact) max_parting_speed: f64,
     /// Coulomb's coefficients, at rest and sliding.
     pub(in crate::physics::contact) friction: [f64; 2],
 }

@@ -16,9 +16,9 @@ mod movers;
 mod solve;
 
 pub(in crate::physics) use constraint::pressed_at_end;
-pub(super) use constraint::{PointConstraint, SpringBefore, Where};
+pub(super) use constraint::{ContactPlane, PointConstraint, SpringBefore};
 pub use law::DEPTH_SHARE;
-pub(in crate::physics) use law::{GENTLE_SHARE, PointLaw, STIFFNESS_OVER_MASS};
+pub(in crate::physics) use law::{PARTING_SPEED_SHARE, PointLaw, STIFFNESS_OVER_MASS};
 pub(in crate::physics) use modal::ModalBodies;
 pub(super) use modal::ModalShares;
 pub(super) use movers::{Mover, Movers, Shares};

@@ -14,17 +14,17 @@ pub(in crate::physics) trait ModalBodies {
     fn moves(&self, body: usize) -> bool;
 
     /// A box around all of its particles over the substep, m.
-    fn around(&mut self, body: usize) -> Aabb<f64>;
+    fn motion_bounds(&mut self, body: usize) -> Aabb<f64>;
 
     /// How fast it moves on the whole, m/s.
     fn drift(&mut self, body: usize) -> DVec3;
 
     /// Writes where its particles are when the substep begins and would be at its end, m. Only those of cells that a point of
     /// this region may be in are written.
-    fn look_ahead(&mut self, body: usize, region: &Aabb<f64>, places: [&mut [DVec3]; 2]);
+    fn predict_positions(&mut self, body: usize, region: &Aabb<f64>, places: [&mut [DVec3]; 2]);
 
     /// By how much an impulse of 1 changes the rate of each of its motions.
-    fn yields(&self, body: usize) -> impl Iterator<Item = f64>;
+    fn mobilities(&self, body: usize) -> impl Iterator<Item = f64>;
 
     /// Returns how fast the mean of some of its particles (local numbers, and weights that sum to one) moves if nothing pushes,
     /// m/s. Adds to `rows` how the mean moves by each motion.
@@ -35,13 +35,13 @@ pub(in crate::physics) trait ModalBodies {
 
     /// Solves the obstacles and the hand at a body for what all other contacts leave. `change` is the change of the rates of its
     /// motions so far. Returns the largest change of one of their impulses, N·s.
-    fn round(&mut self, body: usize, change: &mut [f64]) -> f64;
+    fn solve_round(&mut self, body: usize, change: &mut [f64]) -> f64;
 
-    /// Forgets what [`ModalBodies::round`] did.
+    /// Forgets what [`ModalBodies::solve_round`] did.
     fn reset(&mut self);
 
-    /// Takes over the change of the rates of a body's motions, including that by [`ModalBodies::round`].
-    fn take(&mut self, body: usize, change: &[f64]);
+    /// Takes over the change of the rates of a body's motions, including that by [`ModalBodies::solve_round`].
+    fn apply_change(&mut self, body: usize, change: &[f64]);
 }
 
 /// Where no body moves by modes.
@@ -50,7 +50,7 @@ impl ModalBodies for () {
         false
     }
 
-    fn around(&mut self, _: usize) -> Aabb<f64> {
+    fn motion_bounds(&mut self, _: usize) -> Aabb<f64> {
         Aabb::empty()
     }
 
@@ -58,9 +58,9 @@ impl ModalBodies for () {
         DVec3::ZERO
     }
 
-    fn look_ahead(&mut self, _: usize, _: &Aabb<f64>, _: [&mut [DVec3]; 2]) {}
+    fn predict_positions(&mut self, _: usize, _: &Aabb<f64>, _: [&mut [DVec3]; 2]) {}
 
-    fn yields(&self, _: usize) -> impl Iterator<Item = f64> {
+    fn mobilities(&self, _: usize) -> impl Iterator<Item = f64> {
         std::iter::empty()
     }
 
@@ -72,13 +72,13 @@ impl ModalBodies for () {
         1.0
     }
 
-    fn round(&mut self, _: usize, _: &mut [f64]) -> f64 {
+    fn solve_round(&mut self, _: usize, _: &mut [f64]) -> f64 {
         0.0
     }
 
     fn reset(&mut self) {}
 
-    fn take(&mut self, _: usize, _: &[f64]) {}
+    fn apply_change(&mut self, _: usize, _: &[f64]) {}
 }
 
 /// A modal body that contacts may change.
@@ -86,7 +86,7 @@ impl ModalBodies for () {
 pub(in crate::physics::contact) struct ModalMover {
     pub(in crate::physics::contact) body: usize,
     /// By how much an impulse of 1 changes the rate of each motion.
-    yields: Vec<f64>,
+    mobilities: Vec<f64>,
     /// By how much contacts have changed the rates.
     pub(in crate::physics::contact) change: Vec<f64>,
 }
@@ -101,9 +101,9 @@ struct ModalShare {
     /// 1, or −1 where the point meets a cell of it.
     weight: f64,
     /// The speed without contacts, m/s.
-    before: DVec3,
+    predicted_velocity: DVec3,
     /// By how much an impulse of 1 changes the speed, summed over the three axes, 1/kg.
-    yields: f64,
+    mobility: f64,
 }
 
 /// All modal bodies that contacts may change, and how each contact weighs them.
@@ -125,7 +125,7 @@ pub(in crate::physics::contact) struct ModalShares {
 
 impl ModalShares {
     /// Whether there are none.
-    pub(super) fn are_none(self) -> bool {
+    pub(super) fn is_empty(self) -> bool {
         self.count == 0
     }
 }
@@ -158,10 +158,10 @@ impl ModalMovers {
         }
         let mover = &mut self.all[self.count];
         mover.body = body;
-        mover.yields.clear();
-        mover.yields.extend(modal.yields(body));
+        mover.mobilities.clear();
+        mover.mobilities.extend(modal.mobilities(body));
         mover.change.clear();
-        mover.change.resize(mover.yields.len(), 0.0);
+        mover.change.resize(mover.mobilities.len(), 0.0);
         self.count += 1;
         self.count - 1
     }
@@ -177,26 +177,26 @@ impl ModalMovers {
     ) -> DVec3 {
         let mover = self.place(body, modal);
         let row = self.rows.len();
-        let before = modal.weigh(body, particles, &mut self.rows);
-        let yields = &self.all[mover].yields;
-        let of_row = self.rows[row..].iter().zip(yields);
-        let yields = of_row.fold(0.0, |sum, (way, yields)| sum + yields * way.length_squared());
-        self.shares.push(ModalShare { mover: mover as u32, row, weight, before, yields });
-        before
+        let predicted_velocity = modal.weigh(body, particles, &mut self.rows);
+        let mobilities = &self.all[mover].mobilities;
+        let of_row = self.rows[row..].iter().zip(mobilities);
+        let mobility = of_row.fold(0.0, |sum, (way, mobility)| sum + mobility * way.length_squared());
+        self.shares.push(ModalShare { mover: mover as u32, row, weight, predicted_velocity, mobility });
+        predicted_velocity
     }
 
     /// How many shares there are.
     #[expect(clippy::cast_possible_truncation, reason = "contacts are fewer")]
-    pub(in crate::physics::contact) fn shares(&self) -> u32 {
+    pub(in crate::physics::contact) fn share_count(&self) -> u32 {
         self.shares.len() as u32
     }
 
     /// The shares that were added since there were `first` of them.
-    pub(in crate::physics::contact) fn since(&self, first: u32) -> ModalShares {
-        ModalShares { first, count: self.shares() - first }
+    pub(in crate::physics::contact) fn shares_since(&self, first: u32) -> ModalShares {
+        ModalShares { first, count: self.share_count() - first }
     }
 
-    fn of(&self, shares: ModalShares) -> impl Iterator<Item = (&ModalShare, &[DVec3], &ModalMover)> {
+    fn shares_of(&self, shares: ModalShares) -> impl Iterator<Item = (&ModalShare, &[DVec3], &ModalMover)> {
         self.shares[shares.first as usize..][..shares.count as usize].iter().map(|share| {
             let mover = &self.all[share.mover as usize];
             (share, &self.rows[share.row..][..mover.change.len()], mover)
@@ -205,36 +205,36 @@ impl ModalMovers {
 
     /// By how much an impulse of 1 changes a contact's speed along a normal, and across it, summed over both axes, 1/kg.
     pub(super) fn mobility(&self, shares: ModalShares, normal: DVec3) -> [f64; 2] {
-        self.of(shares).fold([0.0; 2], |[mut along, mut across], (_, row, mover)| {
-            for (way, yields) in row.iter().zip(&mover.yields) {
+        self.shares_of(shares).fold([0.0; 2], |[mut along, mut across], (_, row, mover)| {
+            for (way, mobility) in row.iter().zip(&mover.mobilities) {
                 let part = way.dot(normal);
-                along += yields * part * part;
-                across += yields * (*way - normal * part).length_squared();
+                along += mobility * part * part;
+                across += mobility * (*way - normal * part).length_squared();
             }
             [along, across]
         })
     }
 
     /// The part of modal bodies in a contact's velocity without contacts, m/s.
-    pub(in crate::physics::contact) fn before(&self, shares: ModalShares) -> DVec3 {
-        self.of(shares).fold(DVec3::ZERO, |sum, (share, ..)| sum + share.before * share.weight)
+    pub(in crate::physics::contact) fn predicted_velocity(&self, shares: ModalShares) -> DVec3 {
+        self.shares_of(shares).fold(DVec3::ZERO, |sum, (share, ..)| sum + share.predicted_velocity * share.weight)
     }
 
     /// The same with what contacts have changed.
-    pub(super) fn now(&self, shares: ModalShares) -> DVec3 {
-        self.of(shares).fold(DVec3::ZERO, |sum, (share, row, mover)| {
+    pub(super) fn velocity_now(&self, shares: ModalShares) -> DVec3 {
+        self.shares_of(shares).fold(DVec3::ZERO, |sum, (share, row, mover)| {
             let changed = row.iter().zip(&mover.change).fold(DVec3::ZERO, |sum, (way, change)| sum + *way * *change);
-            sum + (share.before + changed) * share.weight
+            sum + (share.predicted_velocity + changed) * share.weight
         })
     }
 
     /// Applies an impulse on a contact's point, N·s, to the modal bodies in it.
     pub(super) fn push(&mut self, shares: ModalShares, impulse: DVec3) {
         for share in &self.shares[shares.first as usize..][..shares.count as usize] {
-            let ModalMover { yields, change, .. } = &mut self.all[share.mover as usize];
+            let ModalMover { mobilities, change, .. } = &mut self.all[share.mover as usize];
             let own = impulse * share.weight;
-            for ((change, way), yields) in change.iter_mut().zip(&self.rows[share.row..]).zip(yields) {
-                *change += *yields * way.dot(own);
+            for ((change, way), mobility) in change.iter_mut().zip(&self.rows[share.row..]).zip(mobilities) {
+                *change += *mobility * way.dot(own);
             }
         }
     }
@@ -245,8 +245,8 @@ impl ModalMovers {
     }
 
     /// About the kinetic energy of the shares of all contacts, J.
-    pub(super) fn energy(&self) -> f64 {
-        let moving = self.shares.iter().filter(|share| share.yields > 0.0);
-        moving.map(|share| 0.5 / share.yields * share.before.length_squared()).sum()
+    pub(super) fn kinetic_energy(&self) -> f64 {
+        let moving = self.shares.iter().filter(|share| share.mobility > 0.0);
+        moving.map(|share| 0.5 / share.mobility * share.predicted_velocity.length_squared()).sum()
     }
 }

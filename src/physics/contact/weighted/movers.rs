@@ -7,7 +7,7 @@ use crate::math::{Real, Vector};
 use crate::physics::step::substep::Substep;
 
 /// Stands where a particle is not among the movers.
-const NONE: u32 = u32::MAX;
+const NO_PLACE: u32 = u32::MAX;
 
 /// A particle that contacts may change.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub(in crate::physics::contact) struct Mover {
     /// The inverse of its mass, 1/kg; zero where it is held.
     pub(in crate::physics::contact) mobility: f64,
     /// The velocity it would have without these contacts, m/s.
-    pub(in crate::physics::contact) before: DVec3,
+    pub(in crate::physics::contact) predicted_velocity: DVec3,
 }
 
 /// The share of a mover in a contact.
@@ -27,7 +27,7 @@ struct Share {
     place: u32,
     weight: f64,
     /// By how much an impulse of 1 on the contact's point changes the mover's speed, 1/kg.
-    yields: f64,
+    speed_per_impulse: f64,
 }
 
 /// All particles that contacts may change, and the weights that contacts give them.
@@ -59,7 +59,7 @@ impl Movers {
             all: Vec::with_capacity(particles),
             velocity: Vec::with_capacity(particles),
             shares: Vec::with_capacity(weighed),
-            place_of: vec![NONE; particles],
+            place_of: vec![NO_PLACE; particles],
             modal: ModalMovers::default(),
         }
     }
@@ -67,7 +67,7 @@ impl Movers {
     /// Forgets all.
     pub(in crate::physics::contact) fn clear(&mut self) {
         for mover in &self.all {
-            self.place_of[mover.particle as usize] = NONE;
+            self.place_of[mover.particle as usize] = NO_PLACE;
         }
         self.all.clear();
         self.velocity.clear();
@@ -78,7 +78,7 @@ impl Movers {
     /// Gives all of them the velocities that they would have without contacts.
     pub(in crate::physics::contact) fn forget_changes(&mut self) {
         for (velocity, mover) in self.velocity.iter_mut().zip(&self.all) {
-            *velocity = mover.before;
+            *velocity = mover.predicted_velocity;
         }
         self.modal.forget_changes();
     }
@@ -92,17 +92,17 @@ impl Movers {
         velocity: &[R::Vec3],
     ) -> u32 {
         let place = &mut self.place_of[particle];
-        if *place == NONE {
+        if *place == NO_PLACE {
             let (model, local) = (&substep.model.bodies[body], particle - substep.model.bodies[body].particles.start);
             let is_asleep = substep.state.bodies[body].asleep;
             let is_held = model.is_pinned(local) || is_asleep;
             let mobility = if is_held { 0.0 } else { 1.0 / model.mass(local).to_f64() };
-            let before = if is_asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() };
+            let predicted_velocity = if is_asleep { DVec3::ZERO } else { velocity[particle].to_dvec3() };
             #[expect(clippy::cast_possible_truncation, reason = "particles are counted in 32 bits")]
             let (next, particle) = (self.all.len() as u32, particle as u32);
             *place = next;
-            self.all.push(Mover { particle, mobility, before });
-            self.velocity.push(before);
+            self.all.push(Mover { particle, mobility, predicted_velocity });
+            self.velocity.push(predicted_velocity);
         }
         *place
     }
@@ -114,8 +114,11 @@ impl Movers {
         modal: ModalShares,
     ) -> Shares {
         let (first, all) = (self.shares.len(), &self.all);
-        let share =
-            |(place, weight): (u32, f64)| Share { place, weight, yields: weight * all[place as usize].mobility };
+        let share = |(place, weight): (u32, f64)| Share {
+            place,
+            weight,
+            speed_per_impulse: weight * all[place as usize].mobility,
+        };
         self.shares.extend(shares.map(share));
         #[expect(clippy::cast_possible_truncation, reason = "contacts weigh fewer")]
         let [first, count] = [first, self.shares.len() - first].map(|count| count as u32);
@@ -123,51 +126,54 @@ impl Movers {
     }
 
     /// The particles that a contact weighs, with their weights.
-    pub(in crate::physics::contact) fn of(&self, shares: Shares) -> impl Iterator<Item = (&Mover, f64)> {
-        self.own(shares).iter().map(|share| (&self.all[share.place as usize], share.weight))
+    pub(in crate::physics::contact) fn weighted_movers(&self, shares: Shares) -> impl Iterator<Item = (&Mover, f64)> {
+        self.shares_of(shares).iter().map(|share| (&self.all[share.place as usize], share.weight))
     }
 
-    fn own(&self, shares: Shares) -> &[Share] {
+    fn shares_of(&self, shares: Shares) -> &[Share] {
         &self.shares[shares.first as usize..][..shares.count as usize]
     }
 
     /// By how much an impulse of 1 along a normal changes a contact's speed along it, 1/kg; and an upper bound of the same
     /// across it.
     pub(super) fn mobility(&self, shares: Shares, normal: DVec3) -> [f64; 2] {
-        let of_particles = self.of(shares).map(|(mover, w)| w * w * mover.mobility).sum::<f64>();
-        if shares.modal.are_none() {
+        let of_particles = self.weighted_movers(shares).map(|(mover, w)| w * w * mover.mobility).sum::<f64>();
+        if shares.modal.is_empty() {
             return [of_particles; 2];
         }
         self.modal.mobility(shares.modal, normal).map(|of_modal| of_particles + of_modal)
     }
 
     /// The velocity of a contact without any contacts, m/s.
-    pub(in crate::physics::contact) fn before(&self, shares: Shares) -> DVec3 {
-        let of_particles = self.of(shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + mover.before * weight);
-        if shares.modal.are_none() { of_particles } else { of_particles + self.modal.before(shares.modal) }
+    pub(in crate::physics::contact) fn predicted_velocity(&self, shares: Shares) -> DVec3 {
+        let of_particles = self
+            .weighted_movers(shares)
+            .fold(DVec3::ZERO, |sum, (mover, weight)| sum + mover.predicted_velocity * weight);
+        if shares.modal.is_empty() { of_particles } else { of_particles + self.modal.predicted_velocity(shares.modal) }
     }
 
     /// The velocity of a contact if particles have the velocities `of`, m/s.
-    pub(super) fn with(&self, shares: Shares, of: impl Fn(&Mover) -> DVec3) -> DVec3 {
-        let of_particles = self.of(shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + of(mover) * weight);
-        if shares.modal.are_none() { of_particles } else { of_particles + self.modal.now(shares.modal) }
+    pub(super) fn velocity_with(&self, shares: Shares, of: impl Fn(&Mover) -> DVec3) -> DVec3 {
+        let of_particles =
+            self.weighted_movers(shares).fold(DVec3::ZERO, |sum, (mover, weight)| sum + of(mover) * weight);
+        if shares.modal.is_empty() { of_particles } else { of_particles + self.modal.velocity_now(shares.modal) }
     }
 
     /// The present velocity of a contact, m/s.
-    pub(super) fn now(&self, shares: Shares) -> DVec3 {
-        let particles = self.own(shares).iter();
+    pub(super) fn velocity_now(&self, shares: Shares) -> DVec3 {
+        let particles = self.shares_of(shares).iter();
         let of_particles =
             particles.fold(DVec3::ZERO, |sum, share| sum + self.velocity[share.place as usize] * share.weight);
-        if shares.modal.are_none() { of_particles } else { of_particles + self.modal.now(shares.modal) }
+        if shares.modal.is_empty() { of_particles } else { of_particles + self.modal.velocity_now(shares.modal) }
     }
 
     /// Applies an impulse on a contact's point, N·s, to everything that the contact weighs.
     pub(super) fn push(&mut self, shares: Shares, impulse: DVec3) {
         let Self { velocity, shares: of_all, modal, .. } = self;
         for share in &of_all[shares.first as usize..][..shares.count as usize] {
-            velocity[share.place as usize] += impulse * share.yields;
+            velocity[share.place as usize] += impulse * share.speed_per_impulse;
         }
-        if !shares.modal.are_none() {
+        if !shares.modal.is_empty() {
             modal.push(shares.modal, impulse);
         }
     }

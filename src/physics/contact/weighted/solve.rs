@@ -5,23 +5,23 @@
 //! gives energy, or makes the others give more, the rounds are repeated without it. Where modal bodies are met, their
 //! obstacles and a hand that pulls them take part in the rounds; the energy that these give is not counted here.
 
-use super::constraint::{Given, PointConstraint, Rubbing};
+use super::constraint::{EnergyGain, PointConstraint, PointFriction};
 use super::modal::ModalBodies;
 use super::movers::Movers;
 
 /// Rounds at most.
-const ROUNDS: usize = 12;
+const MAX_ROUNDS: usize = 12;
 
 /// The contacts have settled where none changes by more than this share of the largest impulse of the first round.
 const SETTLED_SHARE: f64 = 1e-3;
 
 /// The same where modal bodies are among what is pushed: what lies on one that is as large as all of its contacts together
 /// would creep by what is left.
-const MODAL_ROUNDS: usize = 32;
+const MAX_MODAL_ROUNDS: usize = 32;
 const MODAL_SETTLED_SHARE: f64 = 1e-6;
 
 /// Rounding error of energies, as a share of the kinetic energy.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_SHARE: f64 = 1e-12;
 
 /// Finds the impulses of all contacts in a substep of `dt` (s) and the velocities that they leave. Obstacles and a hand at modal
 /// bodies take part in each round.
@@ -31,36 +31,46 @@ pub(in crate::physics::contact) fn solve(
     modal: &mut impl ModalBodies,
     dt: f64,
 ) {
-    settle(Rubbing::Coulomb, constraints, movers, modal);
-    let rounding = ROUNDING * (energy(movers) + movers.modal.energy());
-    let given = given(constraints, movers, dt);
-    if given.friction > rounding || given.normal + given.friction > given.parting + rounding {
+    settle(PointFriction::Coulomb, constraints, movers, modal);
+    let rounding = ROUNDING_SHARE * (kinetic_energy(movers) + movers.modal.kinetic_energy());
+    let gain = total_energy_gain(constraints, movers, dt);
+    if gain.friction > rounding || gain.normal + gain.friction > gain.max_parting + rounding {
         constraints.iter_mut().for_each(PointConstraint::reset);
         movers.forget_changes();
         modal.reset();
-        settle(Rubbing::Nothing, constraints, movers, modal);
+        settle(PointFriction::Without, constraints, movers, modal);
     }
 }
 
 /// The energy that all contacts together give the bodies.
-fn given(constraints: &[PointConstraint], movers: &Movers, dt: f64) -> Given {
-    constraints.iter().fold(Given::default(), |sum, constraint| {
-        let Given { normal, friction, parting } = constraint.given(movers, dt);
-        Given { normal: sum.normal + normal, friction: sum.friction + friction, parting: sum.parting + parting }
+fn total_energy_gain(constraints: &[PointConstraint], movers: &Movers, dt: f64) -> EnergyGain {
+    constraints.iter().fold(EnergyGain::default(), |sum, constraint| {
+        let EnergyGain { normal, friction, max_parting } = constraint.energy_gain(movers, dt);
+        EnergyGain {
+            normal: sum.normal + normal,
+            friction: sum.friction + friction,
+            max_parting: sum.max_parting + max_parting,
+        }
     })
 }
 
-fn settle(rubbing: Rubbing, constraints: &mut [PointConstraint], movers: &mut Movers, modal: &mut impl ModalBodies) {
+fn settle(
+    friction: PointFriction,
+    constraints: &mut [PointConstraint],
+    movers: &mut Movers,
+    modal: &mut impl ModalBodies,
+) {
     let is_modal = !movers.modal.is_empty();
-    let (rounds, settled) = if is_modal { (MODAL_ROUNDS, MODAL_SETTLED_SHARE) } else { (ROUNDS, SETTLED_SHARE) };
+    let (rounds, settled) =
+        if is_modal { (MAX_MODAL_ROUNDS, MODAL_SETTLED_SHARE) } else { (MAX_ROUNDS, SETTLED_SHARE) };
     let mut first = 0.0_f64;
     for round in 0..rounds {
         let mut largest = 0.0_f64;
         for constraint in &mut *constraints {
-            largest = largest.max(constraint.solve(rubbing, movers));
+            largest = largest.max(constraint.solve(friction, movers));
         }
         for mover in movers.modal.all() {
-            largest = largest.max(modal.round(mover.body, &mut mover.change));
+            largest = largest.max(modal.solve_round(mover.body, &mut mover.change));
         }
         if round == 0 {
             first = largest;
@@ -72,7 +82,7 @@ fn settle(rubbing: Rubbing, constraints: &mut [PointConstraint], movers: &mut Mo
 }
 
 /// The energy that the particles had, J.
-fn energy(movers: &Movers) -> f64 {
+fn kinetic_energy(movers: &Movers) -> f64 {
     let moving = movers.all.iter().filter(|mover| mover.mobility > 0.0);
-    moving.map(|mover| 0.5 / mover.mobility * mover.before.length_squared()).sum()
+    moving.map(|mover| 0.5 / mover.mobility * mover.predicted_velocity.length_squared()).sum()
 }

@@ -59,7 +59,7 @@ impl<R: Real> System<'_, R> {
             }
         }
         for constraint in &mut *self.constraints {
-            constraint.hold_against(self.workspace.diagonal[constraint.particle - self.body.particles.start]);
+            constraint.stiffen_depth_limit(self.workspace.diagonal[constraint.particle - self.body.particles.start]);
         }
         (moving.min(known) * TOLERANCE * TOLERANCE).max(known * FINEST_TOLERANCE * FINEST_TOLERANCE)
     }

@@ -140,7 +140,7 @@ impl<R: Real> System<'_, R> {
         let mut again = false;
         for constraint in &mut *self.constraints {
             let local = constraint.particle - self.body.particles.start;
-            again |= constraint.reconsider(self.workspace.velocity[local], carefully);
+            again |= constraint.relinearize(self.workspace.velocity[local], carefully);
         }
         again
     }

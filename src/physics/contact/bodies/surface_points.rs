@@ -10,14 +10,14 @@ use crate::physics::state::press::BodyPoint;
 
 /// The points of a body that meet others, or itself.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Outside<'a> {
+pub(super) enum SurfacePoints<'a> {
     /// The particles on its outside.
     Particles(&'a Hull),
     /// Points of its mesh, each carried by a cell.
     Mesh(&'a Samples),
 }
 
-impl<'a> Outside<'a> {
+impl<'a> SurfacePoints<'a> {
     /// The points of the first of a pair of bodies that meet the second.
     pub(super) fn of<R: Real>(model: &'a Model<R>, [points, cells]: [usize; 2]) -> Self {
         let body = &model.bodies[points];
@@ -45,7 +45,7 @@ impl<'a> Outside<'a> {
     }
 
     /// Where a point is, of a body whose particles are at `own`, m.
-    pub(super) fn place(self, number: u32, own: &[DVec3]) -> DVec3 {
+    pub(super) fn position(self, number: u32, own: &[DVec3]) -> DVec3 {
         match self {
             Self::Particles(hull) => own[hull.points[number as usize] as usize],
             Self::Mesh(samples) => {
@@ -80,7 +80,7 @@ impl<'a> Outside<'a> {
                 let (carriers, weights) = samples.point(number as usize);
                 let Some(normal) = samples.normal(number as usize) else { return away(&mut carriers.iter().copied()) };
                 let cell = Cell(carriers.map(|carrier| own[carrier as usize]));
-                let layers = cell.slopes(place(weights)).inverse().transpose();
+                let layers = cell.jacobian(place(weights)).inverse().transpose();
                 (layers * normal).normalize_or_zero()
             }
         }

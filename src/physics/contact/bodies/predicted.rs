@@ -6,7 +6,7 @@ use crate::math::Aabb;
 
 /// A body as it would be at the end of a substep.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ahead {
+pub(super) struct PredictedBody {
     /// Whether it moves by its modes in the substep.
     pub(super) is_modal: bool,
     /// The box around it, m; for a modal body around its motion over the whole substep.
@@ -15,7 +15,7 @@ pub(super) struct Ahead {
     pub(super) drift: DVec3,
 }
 
-impl Ahead {
+impl PredictedBody {
     /// A body that is nowhere.
     pub(super) fn nowhere() -> Self {
         Self { is_modal: false, bounds: Aabb::empty(), drift: DVec3::ZERO }
