@@ -179,6 +179,8 @@ pub(super) struct NeighbourLists {
     points: Vec<u32>,
     /// By cell in each list, ascending.
     neighbours: Vec<Neighbour>,
+    /// For the list that is being made: the outcodes of the cells' particles, for the bounding box of the points.
+    outcodes: Vec<u8>,
     /// For the list that is being made: 1 for each point that has neighbours, later its place in the list.
     place_of: Vec<u32>,
 }
@@ -190,6 +192,7 @@ impl NeighbourLists {
             lists: Vec::with_capacity(bodies.min(8)),
             points: Vec::with_capacity(2 * points),
             neighbours: Vec::with_capacity(8 * points),
+            outcodes: Vec::new(),
             place_of: Vec::with_capacity(points),
         }
     }
@@ -269,7 +272,15 @@ impl NeighbourLists {
             buckets.sort(candidates, &bounds, cell_size);
             self.place_of.clear();
             self.place_of.resize(candidates.len(), 0);
+            let region = bounds.grown(reach * (1.0 + ROUNDING_SHARE));
+            self.outcodes.clear();
+            self.outcodes.extend(own.iter().map(|position| outcode(&region, *position)));
             for number in candidate_cells(cells, is_itself) {
+                // The corners of most cells are all beyond one side of the region.
+                let corners = &cells.lattice.cells[number as usize];
+                if corners.iter().fold(ALL_SIDES, |sides, corner| sides & self.outcodes[*corner as usize]) != 0 {
+                    continue;
+                }
                 let cell = cell_bounds(cells, number, own).grown(INSIDE_TOLERANCE * cell_size);
                 let around = cell.grown(margin);
                 if !around.overlaps(&bounds) {
@@ -311,6 +322,20 @@ impl NeighbourLists {
             neighbours,
         });
     }
+}
+
+/// The outcode of a point beyond all sides at once.
+const ALL_SIDES: u8 = 0b11_1111;
+
+/// Returns the outcode of a point: a bit for each side of a box that the point is beyond (Cohen and Sutherland).
+fn outcode(region: &Aabb<f64>, position: DVec3) -> u8 {
+    let bit = |is_beyond: bool, side: u8| u8::from(is_beyond) << side;
+    bit(position.x < region.min.x, 0)
+        | bit(position.y < region.min.y, 1)
+        | bit(position.z < region.min.z, 2)
+        | bit(position.x > region.max.x, 3)
+        | bit(position.y > region.max.y, 4)
+        | bit(position.z > region.max.z, 5)
 }
 
 /// The cells of a body in which points of another, or of the same, are looked for, ascending.
