@@ -117,6 +117,7 @@ fn set_family_anew(session: &mut Session) -> Option<Family> {
 fn a_large_body_is_measured_on_a_small_cube_of_its_cells() {
     let mut large = scene();
     large.bodies[0].shape = Shape::Cube(CubeShape { cells: 24, size: 1.0 });
+    large.bodies[0].pinned_cells.push([0; 3]);
     let lattice = crate::report::extremes::lattices(&large).expect("a cube").swap_remove(0);
     let cell_m = lattice.grid.cell_size;
     let subject = Subject::new(&large, 0, lattice);
@@ -124,6 +125,7 @@ fn a_large_body_is_measured_on_a_small_cube_of_its_cells() {
     let cube = subject.stand_in(&large).expect("a cube");
     assert!(cube.steps > STEPS[1] && cube.stand_in == Some(5), "{} steps", cube.steps);
     assert!((cube.lattices[0].grid.cell_size - cell_m).abs() < 1e-12, "the same cells");
+    assert!(!cube.scene.bodies[0].has_pins(), "cells that are pinned in the large body are others in the cube");
 }
 
 #[test]
