@@ -12,7 +12,7 @@ use crate::geometry::sampling::MOST_A_CELL;
 use crate::physics::kernels::{BYTES_A_CORNER, MOST_CORNERS_A_PARTICLE};
 use crate::physics::limits::present::BYTES_A_PARTICLE;
 use crate::physics::model::Scheme;
-use crate::physics::schemes::{Held, implicit_bytes};
+use crate::physics::schemes::{HeldParticle, implicit_bytes};
 
 /// What a simulation will contain, besides the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,7 +90,7 @@ const OF_A_SOLUTION: usize = 8 * size_of::<(u32, f64)>() + 400;
 fn of_motion(body: &LatticeCounts, size: Size) -> usize {
     let [of_stages, constraint] = match size.scheme {
         Some(Scheme::Implicit) => [0, size_of::<ContactConstraint>()],
-        Some(Scheme::Stabilised) => [OF_STAGES * body.particles + size_of::<Held<f32>>() * body.surface, 0],
+        Some(Scheme::Stabilised) => [OF_STAGES * body.particles + size_of::<HeldParticle<f32>>() * body.surface, 0],
         _ => [0; 2],
     };
     let pairs = body.surface * size.obstacles.min(3);

@@ -81,7 +81,7 @@ impl<R: Real> Simulation<R> {
         self.state.fit_presses(&model, &plan);
         let stays = |obstacle| arrive::stays(&old, &placed, kept, &self.state, obstacle);
         let stays: Vec<bool> = (0..model.obstacles.len()).map(stays).collect();
-        self.state.keep_touches(kept, |obstacle| stays.get(obstacle) == Some(&true));
+        self.state.renumber_touches(kept, |obstacle| stays.get(obstacle) == Some(&true));
         self.state.fit_touches(&model, &plan);
         for body in 0..model.bodies.len() {
             let on_mesh =
@@ -304,7 +304,7 @@ impl<R: Real> Simulation<R> {
 
     /// Finds the contacts of sleeping bodies, which are shown but not part of the state.
     fn find_contacts_of_sleepers(&mut self) {
-        if sleep::asleep(&self.state) == 0 {
+        if sleep::asleep_count(&self.state) == 0 {
             return;
         }
         let mut awake = self.state.clone();
@@ -312,7 +312,7 @@ impl<R: Real> Simulation<R> {
         let mut found = StepWorkspace::new(&self.model, &self.plan);
         let obstacles = Placed::now(&self.model, &self.state);
         let inputs = Inputs { obstacles: &obstacles, grab: None, modal_grab: None };
-        let (whole, timer) = (stepping::whole(&self.plan), &mut ());
+        let (whole, timer) = (stepping::whole_substep(&self.plan), &mut ());
         let mut recorder = Recorder::new(timer);
         step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut recorder);
         self.workspace.contact.contacts = found.contact.contacts;
@@ -338,7 +338,7 @@ impl<R: Real> Simulation<R> {
 
     /// Whether all bodies sleep and no obstacle moves: a step then changes nothing but the time.
     pub fn is_asleep(&self) -> bool {
-        let is_quiet = sleep::is_quiet(&self.state) && !self.model.moves_by_itself();
+        let is_quiet = sleep::are_all_asleep(&self.state) && !self.model.moves_by_itself();
         is_quiet && (0..self.state.bodies.len()).all(|body| self.is_body_asleep(body))
     }
 

@@ -9,7 +9,7 @@ use crate::physics::model::plan::{
     BodyContactPlan, MOST_HALVINGS, MOST_PARTS_BETWEEN_BODIES, MOST_WORK_A_FRAME, Plan, SchemeCost, StageRates,
 };
 use crate::physics::model::{BodyModel, ContactRule, Model, ObstacleShape, Scheme};
-use crate::physics::stepping::strain::STRAINS;
+use crate::physics::stepping::strain::STRAIN_THRESHOLDS;
 use crate::physics::{share, team};
 use crate::scene::Settings;
 use crate::scene::settings::Stepping;
@@ -236,12 +236,12 @@ fn longest_under_tension<R: Real>(model: &Model<R>) -> f64 {
 /// links stretched so far, zero where it bears less than [`LEAST_STRAIN`].
 fn strains<R: Real>(model: &Model<R>, scheme: Scheme, secs: f64) -> [f64; 2] {
     if scheme != Scheme::Stabilised {
-        return STRAINS;
+        return STRAIN_THRESHOLDS;
     }
-    let bodies = model.bodies.iter().map(|body| tension::largest_strain(body, secs, STRAINS[1]));
-    let borne = bodies.fold(STRAINS[1], f64::min);
-    let share = if borne < LEAST_STRAIN { 0.0 } else { borne / STRAINS[1] };
-    STRAINS.map(|strain| share * strain)
+    let bodies = model.bodies.iter().map(|body| tension::largest_strain(body, secs, STRAIN_THRESHOLDS[1]));
+    let borne = bodies.fold(STRAIN_THRESHOLDS[1], f64::min);
+    let share = if borne < LEAST_STRAIN { 0.0 } else { borne / STRAIN_THRESHOLDS[1] };
+    STRAIN_THRESHOLDS.map(|strain| share * strain)
 }
 
 /// The rates behind the stages of the stabilised scheme.

@@ -7,8 +7,8 @@ use super::springs_by_cell::spring_cell;
 use super::waves::{largest_share, waves};
 use crate::geometry::Family;
 use crate::math::Real;
-use crate::physics::limits::particles::{Constant, ParticleLoads, Taken};
-use crate::physics::limits::{HOLDING_SHARE, LoadShare, angles_are_held, largest};
+use crate::physics::limits::particles::{AssumedKind, Constant, ParticleLoads};
+use crate::physics::limits::{HOLDING_SHARE, LoadShare, angles_are_held, largest_over_waves};
 use crate::physics::model::{BodyModel, CellKind, Composition};
 use crate::scene::Springs;
 
@@ -29,13 +29,13 @@ struct Mixed {
 }
 
 impl Mixed {
-    fn taken<'a>(&self, values: &'a CellKind) -> Taken<'a> {
-        Taken { kind: self.kind, values }
+    fn assumed<'a>(&self, values: &'a CellKind) -> AssumedKind<'a> {
+        AssumedKind { kind: self.kind, values }
     }
 
     /// The largest load of these springs together with the others.
     fn most(&self, springs: &Springs, of: Constant, weights: [f64; 3]) -> f64 {
-        self.loads.most(self.taken(&spring_cell(springs)), of, weights)
+        self.loads.largest_load(self.assumed(&spring_cell(springs)), of, weights)
     }
 }
 
@@ -113,7 +113,7 @@ impl SpringLoads {
     /// The load of all families.
     pub(super) fn all(&self, springs: &Springs, share: &LoadShare) -> f64 {
         match &self.mixed {
-            None => largest(&waves().tensors, self.of_families(springs, share)),
+            None => largest_over_waves(&waves().tensors, self.of_families(springs, share)),
             Some(mixed) => {
                 let stiffness = mixed.most(springs, Constant::Stiffness, [share.stiffness; 3]);
                 stiffness + mixed.most(springs, Constant::Damping, share.damping)
@@ -129,7 +129,7 @@ impl SpringLoads {
             only
         };
         match &self.mixed {
-            None => largest(&waves().tensors, only(self.of_families(springs, share))),
+            None => largest_over_waves(&waves().tensors, only(self.of_families(springs, share))),
             Some(mixed) => {
                 let stiffness = mixed.most(springs, Constant::Stiffness, only([share.stiffness; 3]));
                 stiffness + mixed.most(springs, Constant::Damping, only(share.damping))
@@ -142,8 +142,10 @@ impl SpringLoads {
         let mut unit = [0.0; 3];
         unit[family as usize] = 1.0;
         match &self.mixed {
-            None => largest(&waves().tensors, unit),
-            Some(mixed) => mixed.loads.of_one(mixed.taken(&spring_cell(springs)), family) / self.per_value(springs),
+            None => largest_over_waves(&waves().tensors, unit),
+            Some(mixed) => {
+                mixed.loads.load_per_unit(mixed.assumed(&spring_cell(springs)), family) / self.per_value(springs)
+            }
         }
     }
 
@@ -163,7 +165,7 @@ impl SpringLoads {
         };
         let left = limit - mixed.most(springs, other.1, other.0);
         let values = spring_cell(springs);
-        if left < 0.0 { 0.0 } else { mixed.loads.largest(mixed.taken(&values), (family, of), own.0, left) }
+        if left < 0.0 { 0.0 } else { mixed.loads.largest_constant(mixed.assumed(&values), (family, of), own.0, left) }
     }
 
     fn largest_alike(&self, springs: &Springs, (family, of): (Family, Constant), share: &LoadShare, limit: f64) -> f64 {
@@ -176,7 +178,7 @@ impl SpringLoads {
         rest[family as usize] -= factor * now;
         if factor > 0.0 {
             largest_share(waves(), rest, family, limit) / factor
-        } else if largest(&waves().tensors, rest) > limit {
+        } else if largest_over_waves(&waves().tensors, rest) > limit {
             0.0
         } else {
             f64::INFINITY
@@ -207,12 +209,12 @@ impl SpringLoads {
         let mixed = self.mixed.as_ref()?;
         let now = spring_cell(springs);
         let parts = [
-            mixed.loads.resistances(mixed.taken(&now), Constant::Stiffness, [share.stiffness; 3]),
-            mixed.loads.resistances(mixed.taken(&now), Constant::Damping, share.damping),
+            mixed.loads.resistances(mixed.assumed(&now), Constant::Stiffness, [share.stiffness; 3]),
+            mixed.loads.resistances(mixed.assumed(&now), Constant::Damping, share.damping),
         ];
         Some(move |times: f64| {
             let lighter = CellKind { mass: now.mass / times, ..now };
-            parts.iter().map(|part| mixed.loads.over_mass(part, mixed.taken(&lighter))).sum()
+            parts.iter().map(|part| mixed.loads.over_mass(part, mixed.assumed(&lighter))).sum()
         })
     }
 }

@@ -8,7 +8,7 @@ use super::assembly::{Assembled, in_classes};
 use super::link_classes::{ClassKey, Classes, NO_CELL, cells_around, holders, present};
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
-use crate::physics::limits::particles::{MadeOf, Mixture, ParticleLoads};
+use crate::physics::limits::particles::{Mixture, MixtureClasses, ParticleLoads};
 use crate::physics::model::{CellKind, Link, Values};
 use crate::scene::Springs;
 
@@ -52,8 +52,8 @@ pub(super) fn springs_by_cell<R: Real>(
         let constants = mixtures.iter().map(|mixture| mean(mixture, &kinds, constants)).collect();
         (in_classes(links, of_link, constants), mixtures)
     });
-    let made_of = families.each_ref().map(|(family, mixtures)| MadeOf { class: family.classes(), mixtures });
-    let masses_made_of = MadeOf { class: &of_particle, mixtures: &of_masses };
+    let made_of = families.each_ref().map(|(family, mixtures)| MixtureClasses { class: family.classes(), mixtures });
+    let masses_made_of = MixtureClasses { class: &of_particle, mixtures: &of_masses };
     let loads = ParticleLoads::of(kinds, lattice, &made_of, masses_made_of);
     let particle_mass = masses.iter().sum::<f64>() / masses.len().max(1) as f64;
     let links = families.map(|(family, _)| family);

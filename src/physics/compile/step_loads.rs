@@ -3,7 +3,7 @@
 use crate::geometry::Family;
 use crate::math::Real;
 use crate::physics::limits::{
-    LATTICE_LIMIT, LoadShare, Margin, Pushes, has_pushes, load_shares, most_stiffness_per_damping,
+    ContactPush, LATTICE_LIMIT, LoadShare, Margin, has_pushes, load_shares, most_stiffness_per_damping,
 };
 use crate::physics::model::{BodyModel, Scheme};
 use crate::scene::Scene;
@@ -64,7 +64,7 @@ pub struct ContactLoad {
 pub(super) struct ObstacleLoad {
     /// By the thesis's rule, 1/s².
     stiffness: f64,
-    pub(super) pushes: Pushes,
+    pub(super) pushes: ContactPush,
 }
 
 impl ObstacleLoad {
@@ -86,7 +86,7 @@ impl ContactLoad {
                 ContactStiffness::Given(_) => &mut load.given,
             };
             let stiffness = if is_thesis { contact.stiffness.to_f64() / lightest } else { 0.0 };
-            let pushes = if has_pushes { Pushes::of_contact(contact, lightest) } else { Pushes::default() };
+            let pushes = if has_pushes { ContactPush::of_contact(contact, lightest) } else { ContactPush::default() };
             *of_kind = of_kind.max(ObstacleLoad { stiffness, pushes });
         }
         load

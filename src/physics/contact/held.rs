@@ -6,7 +6,7 @@ use super::surface::Surface;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
 use crate::physics::model::{ContactModel, ObstacleModel};
-use crate::physics::schemes::{ContactSpring, Held, HeldFriction, SurfaceContact};
+use crate::physics::schemes::{ContactSpring, HeldFriction, HeldParticle, SurfaceContact};
 use crate::physics::step::substep::Substep;
 
 /// A particle whose velocity along a surface is no more than this share of the speeds it is computed from is held there.
@@ -20,7 +20,7 @@ impl<R: Real> ContactWorkspace<R> {
         substep: Substep<'_, R>,
         force: &[R::Vec3],
         velocity: &[R::Vec3],
-        held: &mut Vec<Held<R>>,
+        held: &mut Vec<HeldParticle<R>>,
     ) {
         held.clear();
         for own in self.contacts.chunk_by(|a, b| a.particle == b.particle) {
@@ -39,7 +39,7 @@ impl<R: Real> ContactWorkspace<R> {
             let across = |of: R::Vec3| of - record.normal * of.dot(record.normal);
             let is_stopped = touch.is_some_and(|touch| matches!(touch.friction, HeldFriction::Sticks { .. }));
             let slides = if is_stopped { across(velocity[particle] - record.surface_velocity) } else { R::Vec3::ZERO };
-            held.push(Held::new(particle, mass, velocity[particle] - slides, touch));
+            held.push(HeldParticle::new(particle, mass, velocity[particle] - slides, touch));
         }
     }
 
@@ -48,7 +48,7 @@ impl<R: Real> ContactWorkspace<R> {
     pub(in crate::physics) fn record_forces(
         &mut self,
         substep: Substep<'_, R>,
-        held: &[Held<R>],
+        held: &[HeldParticle<R>],
         [left, velocity]: [&[R::Vec3]; 2],
     ) {
         let mut held = held.iter().peekable();
@@ -73,12 +73,14 @@ impl<R: Real> ContactWorkspace<R> {
 /// Stops particles that the springs did not stop in time at the depth limit.
 pub(in crate::physics) fn limit_depths<R: Real>(
     substep: Substep<'_, R>,
-    held: &mut [Held<R>],
+    held: &mut [HeldParticle<R>],
     path: &mut [R::Vec3],
     velocity: &mut [R::Vec3],
 ) {
     for held in held {
-        let Some(SurfaceContact { normal, surface_velocity, spring: Some(spring), .. }) = held.touch else { continue };
+        let Some(SurfaceContact { normal, surface_velocity, spring: Some(spring), .. }) = held.contact else {
+            continue;
+        };
         let Some(number) = substep.model.body_of(held.particle) else { continue };
         let body = &substep.model.bodies[number];
         let deepest = spring.depth_limit.max(-spring.gap);

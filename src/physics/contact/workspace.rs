@@ -120,7 +120,7 @@ impl<R: Real> ContactWorkspace<R> {
 
     /// Forgets all contacts but those of bodies that sleep.
     pub(in crate::physics) fn keep_sleeping_contacts(&mut self, model: &Model<R>, state: &State<R>) {
-        if sleep::asleep(state) == 0 {
+        if sleep::asleep_count(state) == 0 {
             self.contacts.clear();
         } else {
             self.contacts

@@ -19,7 +19,7 @@ use crate::physics::team::{self, Halves};
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct ExactLinks {
     /// The links of every body that has a box.
-    bodies: Vec<Option<InDouble>>,
+    bodies: Vec<Option<BoxedExactLinks>>,
     /// Positions of the particles of one body, m, with room for the largest, ...
     position: Vec<DVec3>,
     /// ... and other vectors of these particles: velocities, m/s, or forces, N.
@@ -30,7 +30,7 @@ pub(in crate::physics) struct ExactLinks {
 
 /// The links of a body in its box, and the pieces for its threads.
 #[derive(Clone, Debug)]
-struct InDouble {
+struct BoxedExactLinks {
     links: BoxedLinks<f64>,
     pieces: Vec<Piece<f64>>,
 }
@@ -46,7 +46,7 @@ impl ExactLinks {
             // A body gets threads in proportion to its share of all links.
             let count = (threads * body.link_count()).div_ceil(all);
             let cuts: Vec<f64> = (1..count).map(|cut| cut as f64 / count as f64).collect();
-            Some(InDouble { pieces: pieces(&links, &cuts), links })
+            Some(BoxedExactLinks { pieces: pieces(&links, &cuts), links })
         };
         let bodies: Vec<_> = model.bodies.iter().map(in_double).collect();
         let blocks = bodies.iter().flatten().map(|body| body.links.block_count()).max().unwrap_or(0);
@@ -56,7 +56,7 @@ impl ExactLinks {
 
     /// Returns the links of a body in its box and the pieces it is cut into, if it has a box.
     pub(in crate::physics) fn in_box(&mut self, number: usize) -> Option<(&BoxedLinks<f64>, &mut [Piece<f64>])> {
-        self.bodies[number].as_mut().map(|InDouble { links, pieces }| (&*links, &mut pieces[..]))
+        self.bodies[number].as_mut().map(|BoxedExactLinks { links, pieces }| (&*links, &mut pieces[..]))
     }
 
     /// Adds the elastic forces of all links of a body, N; returns how many links there were.
@@ -69,7 +69,7 @@ impl ExactLinks {
     ) -> u64 {
         let body = &model.bodies[number];
         let own = body.particles.clone();
-        let Some(InDouble { links, pieces }) = &mut self.bodies[number] else {
+        let Some(BoxedExactLinks { links, pieces }) = &mut self.bodies[number] else {
             let motion = [&state.position, &state.position_residual].map(|of| &of[own.clone()]);
             let mut evaluated = 0;
             for_each_exact_link(body, plan.families, motion, stops, |[i, j], link| {
@@ -81,7 +81,7 @@ impl ExactLinks {
             });
             return evaluated;
         };
-        place(state, own.clone(), &mut self.position);
+        write_exact_positions(state, own.clone(), &mut self.position);
         let pass = Pass { level: plan.simd, families: plan.families, damped: [false; 3] };
         let position = &self.position[..own.len()];
         let sums = &mut self.vectors[..own.len()];
@@ -118,7 +118,7 @@ impl ExactLinks {
     ) -> f64 {
         let body = &model.bodies[number];
         let own = body.particles.clone();
-        let Some(InDouble { links, pieces }) = &mut self.bodies[number] else {
+        let Some(BoxedExactLinks { links, pieces }) = &mut self.bodies[number] else {
             let [position, residual, velocity] =
                 [&state.position, &state.position_residual, velocity].map(|of| &of[own.clone()]);
             let mut sum = 0.0;
@@ -127,7 +127,7 @@ impl ExactLinks {
             });
             return sum;
         };
-        place(state, own.clone(), &mut self.position);
+        write_exact_positions(state, own.clone(), &mut self.position);
         for (to, velocity) in self.vectors.iter_mut().zip(&velocity[own.clone()]) {
             *to = velocity.to_dvec3();
         }
@@ -186,7 +186,7 @@ where
 }
 
 /// Writes the positions of a body's particles with what rounding has kept back from them, m.
-fn place<R: Real>(state: &State<R>, own: Range<usize>, position: &mut [DVec3]) {
+fn write_exact_positions<R: Real>(state: &State<R>, own: Range<usize>, position: &mut [DVec3]) {
     let known = state.position[own.clone()].iter().zip(&state.position_residual[own]);
     for (to, (position, residual)) in position.iter_mut().zip(known) {
         *to = position.to_dvec3() + residual.to_dvec3();

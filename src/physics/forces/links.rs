@@ -8,7 +8,7 @@ use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily};
 
 /// Links between two checks whether to stop: at some 20 ns each well below a hundredth of a second.
-const LINKS_A_LOOK: usize = 1 << 16;
+const LINKS_PER_STOP_CHECK: usize = 1 << 16;
 
 /// Positions and velocities at which forces are evaluated.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +46,7 @@ pub(in crate::physics) fn for_each_exact_link<R: Real>(
 ) {
     for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
         for (number, link) in family.links.iter().enumerate() {
-            if number % LINKS_A_LOOK == 0 && stops() {
+            if number % LINKS_PER_STOP_CHECK == 0 && stops() {
                 return;
             }
             let [i, j] = link.ends.map(|end| end as usize);
@@ -81,14 +81,14 @@ pub(in crate::physics) fn for_each_link<R: Real>(
             };
             visit([i, j], on_i);
         };
-        for (number, links) in family.links.chunks(LINKS_A_LOOK).enumerate() {
+        for (number, links) in family.links.chunks(LINKS_PER_STOP_CHECK).enumerate() {
             if stops() {
                 return;
             }
             match &family.constants {
                 LinkConstants::Uniform(constants) => links.iter().for_each(|link| evaluate(link, *constants)),
                 LinkConstants::Classes { of_link, constants } => {
-                    for (link, &class) in links.iter().zip(&of_link[number * LINKS_A_LOOK..]) {
+                    for (link, &class) in links.iter().zip(&of_link[number * LINKS_PER_STOP_CHECK..]) {
                         evaluate(link, constants[usize::from(class)]);
                     }
                 }
@@ -127,7 +127,7 @@ pub(in crate::physics) fn for_each_tangent<R: Real>(
 ) {
     for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
         for (number, link) in family.links.iter().enumerate() {
-            if number % LINKS_A_LOOK == 0 && stops() {
+            if number % LINKS_PER_STOP_CHECK == 0 && stops() {
                 return;
             }
             let d = position[link.ends[1] as usize] - position[link.ends[0] as usize];

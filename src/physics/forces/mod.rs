@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use exact::ExactLinks;
 use links::{Configuration, for_each_link, is_damped};
-use particles::{kick_some, weigh};
+use particles::{kick_particles, write_weights};
 
 use crate::math::Real;
 use crate::physics::kernels::{self, Pass, Start};
@@ -102,7 +102,7 @@ pub(super) fn evaluate<R: Real>(
         residual => {
             recorder.enter(Stage::Gravity);
             for body in awake(model, &state.bodies) {
-                weigh(model, body, 0..body.particles.len(), &mut force[body.particles.clone()]);
+                write_weights(model, body, 0..body.particles.len(), &mut force[body.particles.clone()]);
             }
             if residual.is_some() && plan.runs(Stage::Links) {
                 recorder.enter(Stage::Links);
@@ -193,7 +193,7 @@ impl<R: Real> LinkForces<'_, R> {
             let start = match &body.masses {
                 Values::Uniform(mass) if share.piece.is_some() => Start::Alike(model.gravity * *mass),
                 _ => {
-                    weigh(model, body, local, own);
+                    write_weights(model, body, local, own);
                     Start::Each
                 }
             };
@@ -239,7 +239,7 @@ impl<R: Real> Kicks<'_, R> {
         let local = all.start - body.particles.start..all.end - body.particles.start;
         let velocity = &mut velocity[stretch];
         velocity.copy_from_slice(&state.velocity[all.clone()]);
-        kick_some(body, local, plan.simd, *secs, force, velocity);
+        kick_particles(body, local, plan.simd, *secs, force, velocity);
         self.is_finite &= kernels::are_finite(plan.simd, &state.position[all], velocity, dt);
     }
 }

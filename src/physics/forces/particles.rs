@@ -7,7 +7,7 @@ use crate::physics::kernels::{self, SimdLevel};
 use crate::physics::model::{BodyModel, Model, Values};
 
 /// Writes the weight of some particles of a body (local numbers), N.
-pub(super) fn weigh<R: Real>(model: &Model<R>, body: &BodyModel<R>, some: Range<usize>, force: &mut [R::Vec3]) {
+pub(super) fn write_weights<R: Real>(model: &Model<R>, body: &BodyModel<R>, some: Range<usize>, force: &mut [R::Vec3]) {
     match &body.masses {
         Values::Uniform(mass) => force.fill(model.gravity * *mass),
         Values::Each(masses) => {
@@ -20,7 +20,7 @@ pub(super) fn weigh<R: Real>(model: &Model<R>, body: &BodyModel<R>, some: Range<
 
 /// `v += dt a` for some particles of a body (local numbers), given their forces (N) and velocities (m/s). `a` is the force
 /// over the mass; pinned particles stand still.
-pub(in crate::physics) fn kick_some<R: Real>(
+pub(in crate::physics) fn kick_particles<R: Real>(
     body: &BodyModel<R>,
     some: Range<usize>,
     level: SimdLevel,
@@ -32,11 +32,11 @@ pub(in crate::physics) fn kick_some<R: Real>(
         Values::Uniform(mass) => kernels::kick(level, dt / *mass, force, velocity),
         Values::Each(masses) => kernels::kick_each(level, dt, &masses[some.clone()], force, velocity),
     }
-    hold_pinned(body, some, velocity);
+    zero_pinned(body, some, velocity);
 }
 
 /// Zeroes the entries (such as velocities) of the pinned ones among some particles of a body (local numbers).
-pub(in crate::physics) fn hold_pinned<R: Real, T: Clone + Default>(
+pub(in crate::physics) fn zero_pinned<R: Real, T: Clone + Default>(
     body: &BodyModel<R>,
     some: Range<usize>,
     of: &mut [T],

@@ -48,7 +48,7 @@ impl<R: Real> ForceWorkspace<R> {
             (share.strain, share.is_strained) = (last.and_then(|(_, strain)| strain), false);
         }
         if shares.iter().any(|share| share.strain.is_some()) {
-            team::share(*threads, Look { model, memories, level, motion, shares });
+            team::share(*threads, StrainCheck { model, memories, level, motion, shares });
         }
     }
 
@@ -59,7 +59,7 @@ impl<R: Real> ForceWorkspace<R> {
 }
 
 /// A job: check the links of some shares.
-struct Look<'a, R: Real> {
+struct StrainCheck<'a, R: Real> {
     model: &'a Model<R>,
     memories: &'a [BodyMemory],
     level: SimdLevel,
@@ -67,7 +67,7 @@ struct Look<'a, R: Real> {
     shares: &'a mut [Share<R>],
 }
 
-impl<R: Real> Halves for Look<'_, R> {
+impl<R: Real> Halves for StrainCheck<'_, R> {
     fn pieces(&self) -> usize {
         self.shares.len()
     }
@@ -100,12 +100,12 @@ fn is_beyond<R: Real>(body: &BodyModel<R>, own: StraightMotion<'_, R>, strain: f
         let squared = d.dot(d);
         squared > longest * longest || squared < shortest * shortest
     };
-    links(body, own).any(|(d, way)| is_beyond(d) || is_beyond(d + way))
+    links(body, own).any(|(d, displacement)| is_beyond(d) || is_beyond(d + displacement))
 }
 
 /// Returns the longest way that two ends of a link move relative to each other in the motion, in rest lengths of that link.
-pub(in crate::physics) fn longest_way<R: Real>(body: &BodyModel<R>, own: StraightMotion<'_, R>) -> f64 {
-    links(body, own).fold(R::ZERO, |most, (_, way)| most.max(way.dot(way))).to_f64().sqrt()
+pub(in crate::physics) fn max_link_displacement<R: Real>(body: &BodyModel<R>, own: StraightMotion<'_, R>) -> f64 {
+    links(body, own).fold(R::ZERO, |most, (_, displacement)| most.max(displacement.dot(displacement))).to_f64().sqrt()
 }
 
 /// Returns for each link the vector from end to end and its change in the motion, in rest lengths. Links without a force are

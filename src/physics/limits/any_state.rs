@@ -21,20 +21,20 @@ use crate::physics::model::Scheme;
 use crate::physics::model::{BodyModel, Link, LinkConstants, LinkFamily, Model, Values};
 
 /// Parts of a substep stay below this share of the step that is bounded in any state.
-pub(crate) const SHARE: f64 = 0.4;
+pub(crate) const ANY_STATE_SAFETY: f64 = 0.4;
 
 /// Returns into how many parts a substep of `dt_secs` is divided while a body is strained.
 pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_secs: f64) -> u32 {
     let loads = model.bodies.iter().flat_map(|body| loads(body));
     let loads: Vec<_> = loads.map(|[stiffness, damping]| LinkLoad { stiffness, damping }).collect();
-    parts_for(&loads, scheme, dt_secs, Margin::alike(SHARE))
+    parts_for(&loads, scheme, dt_secs, Margin::alike(ANY_STATE_SAFETY))
 }
 
 /// Returns into how many parts a substep is divided so that each part bears all of these loads with a margin.
 pub(super) fn parts_for(loads: &[LinkLoad], scheme: Scheme, dt_secs: f64, margin: Margin) -> u32 {
     let bear = |parts: u32| loads.iter().all(|load| load.is_borne(scheme, dt_secs / f64::from(parts), margin));
     // A few are enough for the share of the step at rest that is taken.
-    (1..MOST_PARTS).find(|&parts| bear(parts)).unwrap_or(MOST_PARTS)
+    (1..MAX_PARTS).find(|&parts| bear(parts)).unwrap_or(MAX_PARTS)
 }
 
 /// Returns the largest rate of damping in any state of any body, 1/s.
@@ -50,7 +50,7 @@ pub(in crate::physics) fn own_rates<R: Real>(body: &BodyModel<R>) -> [f64; 2] {
 }
 
 /// The most parts a substep is divided into.
-pub(in crate::physics) const MOST_PARTS: u32 = 16;
+pub(in crate::physics) const MAX_PARTS: u32 = 16;
 
 /// Returns the sums of the inverse rest lengths of a particle's links by family, 1/m, once for each different particle of a
 /// lattice.

@@ -4,7 +4,7 @@
 use glam::{DMat3, DVec3};
 
 /// Steps of a bisection: enough for any range of values to a millionth.
-const HALVINGS: usize = 60;
+const BISECTION_STEPS: usize = 60;
 
 /// Returns a symmetric matrix less the mean of its eigenvalues, that mean, and the root of a sixth of the sum of squares of
 /// what is left.
@@ -72,7 +72,7 @@ fn is_below(a: DMat3, limit: f64) -> bool {
 
 /// Returns the largest allowed value between two values, the lower of which is taken to be allowed.
 fn bisect(mut low: f64, mut high: f64, is_allowed: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..HALVINGS {
+    for _ in 0..BISECTION_STEPS {
         let middle = 0.5 * (low + high);
         if is_allowed(middle) {
             low = middle;

@@ -13,9 +13,9 @@
 //! ```
 //!
 //! (Kuczyński and Woźniakowski, *Estimating the largest eigenvalue by the power and Lanczos algorithms with a random start*,
-//! SIAM J. Matrix Anal. Appl. 13(4), 1992). `θ/(1 − ε)` is the bound, with the ε that belongs to [`CHANCE`]. The vectors are
-//! not orthogonalised again, as they stay orthogonal until θ is exact (Paige 1971). The start and the order of all sums are
-//! fixed: the same lattice gives the same bits.
+//! SIAM J. Matrix Anal. Appl. 13(4), 1992). `θ/(1 − ε)` is the bound, with the ε that belongs to [`FAILURE_PROBABILITY`].
+//! The vectors are not orthogonalised again, as they stay orthogonal until θ is exact (Paige 1971). The start and the order
+//! of all sums are fixed: the same lattice gives the same bits.
 
 use super::cells::{SIZE, largest_eigenvalue, unit_cell};
 use crate::geometry::Lattice;
@@ -23,25 +23,25 @@ use crate::math::rng::Rng;
 use crate::physics::model::levels::Levels;
 
 /// Lanczos steps: ε is then 2 % for some thousand particles, which costs 1 % of a step's length.
-const STEPS: usize = 60;
+const LANCZOS_STEPS: usize = 60;
 
 /// The largest probability of a bound that is too low, over all starts.
-const CHANCE: f64 = 1e-6;
+const FAILURE_PROBABILITY: f64 = 1e-6;
 
 /// Lattices of more cells keep the bound of one cell: at some ten microseconds a cell, as long as a few hundred substeps of
 /// the body, the method would keep the user waiting.
-const MOST_CELLS: usize = 20_000;
+const MAX_CELLS: usize = 20_000;
 
 /// Returns the largest eigenvalue of a lattice of equal cells over that of one of them, at most 1. `constants` are those of
 /// the cells' edges and diagonals; only their ratio matters.
 pub(in crate::physics) fn load_share(lattice: &Lattice, constants: [f64; 2]) -> f64 {
-    if lattice.cells.len() > MOST_CELLS { 1.0 } else { share(lattice, constants, STEPS) }
+    if lattice.cells.len() > MAX_CELLS { 1.0 } else { share(lattice, constants, LANCZOS_STEPS) }
 }
 
 fn share(lattice: &Lattice, constants: [f64; 2], steps: usize) -> f64 {
     let cell = unit_cell(constants);
     let numbers = 3.0 * lattice.corners.len() as f64;
-    let root = libm::log(1.648 * numbers.sqrt() / CHANCE) / (2 * steps - 1) as f64;
+    let root = libm::log(1.648 * numbers.sqrt() / FAILURE_PROBABILITY) / (2 * steps - 1) as f64;
     // An eighth of a cell's mass is at each of its corners.
     let alone = 8.0 * largest_eigenvalue(cell);
     let least = largest_ritz_value(&Weighted::of(lattice, &cell), steps) / alone;
@@ -99,7 +99,7 @@ impl<'a> Weighted<'a> {
 fn largest_ritz_value(matrix: &Weighted<'_>, steps: usize) -> f64 {
     let mut v = random_direction(matrix.inverse_roots.len());
     let (mut before, mut next) = (vec![[0.0; 3]; v.len()], vec![[0.0; 3]; v.len()]);
-    let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
+    let (mut diagonal, mut off_diagonal) = (Vec::new(), Vec::new());
     let mut beta = 0.0;
     for _ in 0..steps {
         matrix.apply(&v, &mut next);
@@ -115,13 +115,13 @@ fn largest_ritz_value(matrix: &Weighted<'_>, steps: usize) -> f64 {
             // All eigenvectors with a part in the start have been found.
             break;
         }
-        beside.push(beta);
+        off_diagonal.push(beta);
         scale(&mut next, 1.0 / beta);
         // The oldest vector is overwritten next.
         std::mem::swap(&mut before, &mut v);
         std::mem::swap(&mut v, &mut next);
     }
-    largest_of_tridiagonal(&diagonal, &beside)
+    largest_of_tridiagonal(&diagonal, &off_diagonal)
 }
 
 /// Returns a vector of unit length, drawn evenly from all directions: normal deviates (Box and Muller 1958) for every
@@ -150,17 +150,17 @@ fn scale(v: &mut [[f64; 3]], factor: f64) {
 
 /// Returns the largest eigenvalue of a tridiagonal matrix by bisection: above all eigenvalues every pivot of the matrix less
 /// the value is negative.
-fn largest_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> f64 {
+fn largest_of_tridiagonal(diagonal: &[f64], off_diagonal: &[f64]) -> f64 {
     let is_above_all = |x: f64| {
         let mut pivot = 1.0;
         diagonal.iter().enumerate().all(|(row, alpha)| {
-            let beta = row.checked_sub(1).map_or(0.0, |above| beside[above]);
+            let beta = row.checked_sub(1).map_or(0.0, |above| off_diagonal[above]);
             pivot = alpha - x - beta * beta / pivot;
             pivot < 0.0
         })
     };
     let mut low = diagonal.iter().copied().fold(0.0, f64::max);
-    let mut high = low + 2.0 * beside.iter().copied().fold(0.0, f64::max);
+    let mut high = low + 2.0 * off_diagonal.iter().copied().fold(0.0, f64::max);
     while high - low > 1e-9 * high {
         let middle = 0.5 * (low + high);
         if is_above_all(middle) { high = middle } else { low = middle }
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn a_large_lattice_keeps_the_bound_of_its_cells() {
         let large = block([28; 3], |_| true);
-        assert!(large.cells.len() > MOST_CELLS, "{}", large.cells.len());
+        assert!(large.cells.len() > MAX_CELLS, "{}", large.cells.len());
         assert!(load_share(&large, SOLID) >= 1.0, "not looked at");
     }
 }

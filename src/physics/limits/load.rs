@@ -3,7 +3,7 @@
 
 use crate::geometry::Family;
 use crate::physics::model::{ContactRule, Scheme};
-use crate::physics::schemes::chebyshev::{DISC_RADIUS, MOST_STAGES, reach};
+use crate::physics::schemes::chebyshev::{DISC_RADIUS, MAX_STAGES, reach};
 
 /// The share of the step bounded at rest by stiffness alone that automatic stepping takes, which covers crumpled bodies.
 pub const SAFETY: f64 = 0.55;
@@ -26,7 +26,7 @@ pub(in crate::physics) const LATTICE_LIMIT: f64 = 4.0;
 
 /// Where in the complex plane dt times an eigenvalue of the motion may lie, by scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Region {
+pub(super) enum StabilityRegion {
     /// The leapfrog family: `dt² ω² + 2 s dt c < 4` with a share s of the damping, 1 for semi-implicit Euler and 2 where
     /// the velocity of the damping is predicted.
     Leapfrog(f64),
@@ -40,7 +40,7 @@ pub(super) enum Region {
     Everywhere,
 }
 
-impl Region {
+impl StabilityRegion {
     pub(super) fn of(scheme: Scheme) -> Self {
         match scheme {
             Scheme::SemiImplicit => Self::Leapfrog(1.0),
@@ -157,43 +157,43 @@ pub(in crate::physics) fn load_shares(
     dt: f64,
     margin: Margin,
 ) -> Option<impl Iterator<Item = LoadShare>> {
-    const NOTHING: LoadShare = LoadShare { stiffness: 0.0, damping: [0.0; 3], pushes: 0.0 };
+    const ZERO: LoadShare = LoadShare { stiffness: 0.0, damping: [0.0; 3], pushes: 0.0 };
     let (of_stiffness, of_damping) = (dt / margin.stiffness, margin.damping.map(|share| dt / share));
-    let shares = match Region::of(scheme) {
-        Region::Leapfrog(share) => {
+    let shares = match StabilityRegion::of(scheme) {
+        StabilityRegion::Leapfrog(share) => {
             let damping = of_damping.map(|dt| 2.0 * share * dt);
-            [Some(LoadShare { stiffness: of_stiffness * of_stiffness, damping, ..NOTHING }), None]
+            [Some(LoadShare { stiffness: of_stiffness * of_stiffness, damping, ..ZERO }), None]
         }
-        Region::HalfDisc(radius) => [
-            Some(LoadShare { stiffness: LATTICE_LIMIT * (of_stiffness / radius) * (of_stiffness / radius), ..NOTHING }),
-            Some(LoadShare { damping: of_damping.map(|dt| LATTICE_LIMIT * dt / radius), ..NOTHING }),
+        StabilityRegion::HalfDisc(radius) => [
+            Some(LoadShare { stiffness: LATTICE_LIMIT * (of_stiffness / radius) * (of_stiffness / radius), ..ZERO }),
+            Some(LoadShare { damping: of_damping.map(|dt| LATTICE_LIMIT * dt / radius), ..ZERO }),
         ],
-        Region::DiscAndAxis => {
+        StabilityRegion::DiscAndAxis => {
             let of_rate = |dt: f64| LATTICE_LIMIT * dt / most_reach();
-            [Some(LoadShare { damping: of_damping.map(of_rate), pushes: of_rate(dt), ..NOTHING }), None]
+            [Some(LoadShare { damping: of_damping.map(of_rate), pushes: of_rate(dt), ..ZERO }), None]
         }
-        Region::Everywhere => return None,
+        StabilityRegion::Everywhere => return None,
     };
     Some(shares.into_iter().flatten())
 }
 
 /// Returns how far the most stages of the stabilised scheme reach along the negative axis.
 fn most_reach() -> f64 {
-    reach(MOST_STAGES)
+    reach(MAX_STAGES)
 }
 
 /// Returns the largest ratio of stiffness (1/s²) to damping (1/s) in steps of `dt` (s) with a margin, 1/s; only for a scheme
 /// that limits it.
 pub(in crate::physics) fn most_stiffness_per_damping(scheme: Scheme, dt: f64, margin: Margin) -> Option<f64> {
-    (Region::of(scheme) == Region::DiscAndAxis).then(|| DISC_RADIUS * margin.stiffness / dt)
+    (StabilityRegion::of(scheme) == StabilityRegion::DiscAndAxis).then(|| DISC_RADIUS * margin.stiffness / dt)
 }
 
 /// Whether the springs of contact push at the stages of a scheme and so use up part of its limits.
 pub(in crate::physics) fn has_pushes(scheme: Scheme, rule: ContactRule) -> bool {
-    Region::of(scheme).has_pushes(rule)
+    StabilityRegion::of(scheme).has_pushes(rule)
 }
 
-impl Region {
+impl StabilityRegion {
     pub(super) fn has_pushes(self, rule: ContactRule) -> bool {
         self == Self::DiscAndAxis && rule != ContactRule::Thesis
     }

@@ -45,7 +45,7 @@ pub(in crate::physics) use load::{
 pub use load::{LinkLoad, SAFETY};
 
 use eigenvalue::{largest_eigenvalue, shifted};
-use load::{Region, damped_limit, undamped_limit};
+use load::{StabilityRegion, damped_limit, undamped_limit};
 
 use super::model::{BodyModel, ContactModel, Model};
 use crate::geometry::Family;
@@ -120,18 +120,18 @@ impl SceneLimits {
         let waves = lattice_waves();
         let margin = |body: &BodyModel<R>| Margin::of(scheme, angles_are_held_in(body));
         let bodies = model.bodies.iter();
-        let bodies = bodies.map(|body| body_limits(body, rule, Region::of(scheme), margin(body), &waves));
+        let bodies = bodies.map(|body| body_limits(body, rule, StabilityRegion::of(scheme), margin(body), &waves));
         bodies.reduce(Self::tighter).unwrap_or_default()
     }
 
     /// Returns the smaller of each limit of two bodies.
     fn tighter(mut self, other: Self) -> Self {
         for ((_, mine), (_, theirs)) in self.terms.iter_mut().zip(other.terms) {
-            *mine = smaller(*mine, theirs);
+            *mine = smaller_limit(*mine, theirs);
         }
         Self {
-            dt_limit_secs: smaller(self.dt_limit_secs, other.dt_limit_secs),
-            dt_safe_secs: smaller(self.dt_safe_secs, other.dt_safe_secs),
+            dt_limit_secs: smaller_limit(self.dt_limit_secs, other.dt_limit_secs),
+            dt_safe_secs: smaller_limit(self.dt_safe_secs, other.dt_safe_secs),
             damping_rate: self.damping_rate.max(other.damping_rate),
             push_rate: self.push_rate.max(other.push_rate),
             ..self
@@ -172,7 +172,7 @@ fn angles_are_held_in<R: Real>(body: &BodyModel<R>) -> bool {
         || body.lattices().all(|lattice| angles_are_held(lattice.stiffness))
 }
 
-fn smaller(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+fn smaller_limit(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     match (a, b) {
         (Some(a), Some(b)) => Some(a.min(b)),
         (a, b) => a.or(b),
@@ -221,7 +221,7 @@ fn half_stencil() -> impl Iterator<Item = (Family, DVec3)> {
 fn body_limits<R: Real>(
     body: &BodyModel<R>,
     rule: ContactRule,
-    region: Region,
+    region: StabilityRegion,
     margin: Margin,
     waves: &[WaveTensors],
 ) -> SceneLimits {
@@ -230,7 +230,7 @@ fn body_limits<R: Real>(
         ContactRule::Implicit => 0.0,
         ContactRule::Thesis => body.contacts.iter().map(|c| c.stiffness.to_f64()).fold(0.0, f64::max) / lightest,
     };
-    let pushes = Pushes::of(body, rule, region);
+    let pushes = ContactPush::of(body, rule, region);
     match &body.composition {
         Composition::Alike => (),
         Composition::Solids { kinds, load_share } => {
@@ -240,7 +240,7 @@ fn body_limits<R: Real>(
         }
         Composition::Springs { loads, .. } => {
             let own = loads.own();
-            let safe_damping = loads.most(own, Constant::Damping, margin.damping.map(|share| 1.0 / share));
+            let safe_damping = loads.largest_load(own, Constant::Damping, margin.damping.map(|share| 1.0 / share));
             return limits_of_loads(&loads.of_springs(own), safe_damping, contact, pushes, region, margin);
         }
     }
@@ -259,52 +259,54 @@ fn body_limits<R: Real>(
     };
     let mut terms = Vec::new();
     for (f, family) in Family::ALL.into_iter().enumerate() {
-        let [stiff, damped] = [stiffness, damping].map(|constants| largest(waves, only(constants, f)));
+        let [stiff, damped] = [stiffness, damping].map(|constants| largest_over_waves(waves, only(constants, f)));
         terms.push((Term::Stiffness(family), region.stiffness_limit(stiff, damped)));
         terms.push((Term::Damping(family), region.damped_limit(damped)));
     }
-    let contact_limit = smaller(region.contact_limit(contact), pushes.limit(region));
+    let contact_limit = smaller_limit(region.contact_limit(contact), pushes.limit(region));
     terms.push((Term::Contact, contact_limit));
     // A ratio of stiffness to damping that holds in every family holds for all of them together.
     let in_proportion = terms.iter().filter_map(|(term, limit)| matches!(term, Term::Stiffness(_)).then_some(*limit));
-    let in_proportion = in_proportion.fold(None, smaller);
+    let in_proportion = in_proportion.fold(None, smaller_limit);
     let [dt_limit_secs, dt_safe_secs] = [Margin::NONE, margin].map(|margin| {
         let damping = std::array::from_fn(|family| damping[family] / margin.damping[family]);
         match region {
-            Region::Leapfrog(share) => {
+            StabilityRegion::Leapfrog(share) => {
                 let k = 1.0 / (margin.stiffness * margin.stiffness);
                 combined_limit(waves, stiffness.map(|of| of * k), damping.map(|of| share * of), contact * k)
             }
-            Region::HalfDisc(_) => smaller(
-                region.undamped_limit(largest(waves, stiffness) + contact).map(|limit| limit * margin.stiffness),
-                region.damped_limit(largest(waves, damping)),
+            StabilityRegion::HalfDisc(_) => smaller_limit(
+                region
+                    .undamped_limit(largest_over_waves(waves, stiffness) + contact)
+                    .map(|limit| limit * margin.stiffness),
+                region.damped_limit(largest_over_waves(waves, damping)),
             ),
-            Region::DiscAndAxis => {
-                let of_stiffness = smaller(in_proportion, contact_limit);
-                smaller(
+            StabilityRegion::DiscAndAxis => {
+                let of_stiffness = smaller_limit(in_proportion, contact_limit);
+                smaller_limit(
                     of_stiffness.map(|limit| limit * margin.stiffness),
-                    region.damped_limit(largest(waves, damping) + pushes.rate),
+                    region.damped_limit(largest_over_waves(waves, damping) + pushes.rate),
                 )
             }
-            Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
+            StabilityRegion::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
         }
     });
-    let of_links = largest(waves, std::array::from_fn(|family| damping[family] / margin.damping[family]));
+    let of_links = largest_over_waves(waves, std::array::from_fn(|family| damping[family] / margin.damping[family]));
     let damping_rate = of_links + pushes.rate;
     SceneLimits { terms, dt_limit_secs, dt_safe_secs, damping_rate, push_rate: pushes.rate }
 }
 
 /// The springs of contact, if they push at the stages of a scheme.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::physics) struct Pushes {
+pub(in crate::physics) struct ContactPush {
     /// Their largest ratio of stiffness to damping, 1/s.
     pub(in crate::physics) stiffness_per_damping: f64,
     /// The largest rate at which they stop a particle, 1/s.
     pub(in crate::physics) rate: f64,
 }
 
-impl Pushes {
-    fn of<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: Region) -> Self {
+impl ContactPush {
+    fn of<R: Real>(body: &BodyModel<R>, rule: ContactRule, region: StabilityRegion) -> Self {
         if !region.has_pushes(rule) {
             return Self::default();
         }
@@ -328,7 +330,7 @@ impl Pushes {
         }
     }
 
-    fn limit(self, region: Region) -> Option<f64> {
+    fn limit(self, region: StabilityRegion) -> Option<f64> {
         region.stiffness_limit(self.stiffness_per_damping, 1.0)
     }
 }
@@ -338,8 +340,8 @@ fn limits_of_loads(
     loads: &CellLoads,
     safe_damping: f64,
     contact: f64,
-    pushes: Pushes,
-    region: Region,
+    pushes: ContactPush,
+    region: StabilityRegion,
     margin: Margin,
 ) -> SceneLimits {
     let mut terms = Vec::new();
@@ -348,24 +350,27 @@ fn limits_of_loads(
         terms.push((Term::Stiffness(family), region.stiffness_limit(stiff, damped)));
         terms.push((Term::Damping(family), region.damped_limit(damped)));
     }
-    let contact_limit = smaller(region.contact_limit(contact), pushes.limit(region));
+    let contact_limit = smaller_limit(region.contact_limit(contact), pushes.limit(region));
     terms.push((Term::Contact, contact_limit));
     let in_proportion = region.stiffness_limit(loads.stiffness, loads.stiffness / loads.stiffness_per_damping);
     let stiffness = loads.stiffness + contact;
     let whole = (Margin::NONE, loads.damping);
     let [dt_limit_secs, dt_safe_secs] = [whole, (margin, safe_damping)].map(|(margin, damping)| match region {
-        Region::Leapfrog(share) => {
+        StabilityRegion::Leapfrog(share) => {
             CellLoads::dt_limit_secs(stiffness / (margin.stiffness * margin.stiffness), share * damping)
         }
-        Region::HalfDisc(_) => smaller(
+        StabilityRegion::HalfDisc(_) => smaller_limit(
             region.undamped_limit(stiffness).map(|limit| limit * margin.stiffness),
             region.damped_limit(damping),
         ),
-        Region::DiscAndAxis => {
-            let of_stiffness = smaller(in_proportion, contact_limit);
-            smaller(of_stiffness.map(|limit| limit * margin.stiffness), region.damped_limit(damping + pushes.rate))
+        StabilityRegion::DiscAndAxis => {
+            let of_stiffness = smaller_limit(in_proportion, contact_limit);
+            smaller_limit(
+                of_stiffness.map(|limit| limit * margin.stiffness),
+                region.damped_limit(damping + pushes.rate),
+            )
         }
-        Region::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
+        StabilityRegion::Everywhere => region.contact_limit(contact).map(|limit| limit * margin.stiffness),
     });
     let damping_rate = safe_damping + pushes.rate;
     SceneLimits { terms, dt_limit_secs, dt_safe_secs, damping_rate, push_rate: pushes.rate }
@@ -375,11 +380,11 @@ fn limits_of_loads(
 fn combined_limit(waves: &[WaveTensors], stiffness: [f64; 3], damping: [f64; 3], contact: f64) -> Option<f64> {
     let load = |dt: f64| {
         let constants = std::array::from_fn(|f| dt * dt * stiffness[f] + 2.0 * dt * damping[f]);
-        largest(waves, constants) + dt * dt * contact
+        largest_over_waves(waves, constants) + dt * dt * contact
     };
-    let undamped = undamped_limit(largest(waves, stiffness) + contact);
-    let damped = damped_limit(largest(waves, damping));
-    let mut high = smaller(undamped, damped)?;
+    let undamped = undamped_limit(largest_over_waves(waves, stiffness) + contact);
+    let damped = damped_limit(largest_over_waves(waves, damping));
+    let mut high = smaller_limit(undamped, damped)?;
     if load(high) <= 4.0 {
         return Some(high);
     }
@@ -397,7 +402,7 @@ fn combined_limit(waves: &[WaveTensors], stiffness: [f64; 3], damping: [f64; 3],
 }
 
 /// Returns the largest eigenvalue over all wave vectors of the lattice with these constants by family.
-pub(super) fn largest(waves: &[WaveTensors], constants: [f64; 3]) -> f64 {
+pub(super) fn largest_over_waves(waves: &[WaveTensors], constants: [f64; 3]) -> f64 {
     if constants.iter().all(|&constant| constant <= 0.0) {
         return 0.0;
     }
@@ -442,7 +447,7 @@ mod tests {
                 largest_eigenvalue(tensors[0] * constants[0] + tensors[1] * constants[1] + tensors[2] * constants[2])
             };
             let all = waves.iter().map(of).fold(0.0, f64::max);
-            assert_eq!(largest(&waves, constants).to_bits(), all.to_bits(), "{constants:?}");
+            assert_eq!(largest_over_waves(&waves, constants).to_bits(), all.to_bits(), "{constants:?}");
         }
     }
 
@@ -450,7 +455,7 @@ mod tests {
     fn structural_links_alone_give_the_chain_limit() {
         // Along an axis the lattice is a chain: w² = 4 k/(m l0), dt = 2/w.
         let waves = lattice_waves();
-        let limit = undamped_limit(largest(&waves, [9.0, 0.0, 0.0])).expect("a stiffness limits");
+        let limit = undamped_limit(largest_over_waves(&waves, [9.0, 0.0, 0.0])).expect("a stiffness limits");
         // The eigenvalue formula loses half the digits where two eigenvalues meet, as they do here.
         assert!((limit - 2.0 / 6.0).abs() < 1e-8, "chain limit 1/3, got {limit}");
     }

@@ -24,9 +24,9 @@
 //! the bound for any state.
 //!
 //! The bound holds for the present directions of links. They are checked again before they can have turned by much
-//! ([`looks`]), and a part of a substep in which the ends of a link move past each other by half a link is divided further.
+//! ([`checks`]), and a part of a substep in which the ends of a link move past each other by half a link is divided further.
 //!
-//! [`looks`]: crate::physics::stepping
+//! [`checks`]: crate::physics::stepping
 
 use super::any_state::parts_for;
 use super::load::{LinkLoad, Margin, SAFETY};
@@ -47,7 +47,7 @@ pub(in crate::physics) fn parts(load: LinkLoad, dt_secs: f64) -> u32 {
 type Symmetric<R> = [R; 6];
 
 /// The identity.
-const ONE: Symmetric<f64> = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+const IDENTITY: Symmetric<f64> = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 
 /// The sums at each particle of a body, stiffness and damping; kept to be filled anew.
 pub(in crate::physics) type Sums<R> = Vec<[Symmetric<R>; 2]>;
@@ -70,14 +70,14 @@ pub(in crate::physics) fn load<R: Real>(body: &BodyModel<R>, position: &[R::Vec3
                 ([x * x, y * y, z * z, y * z, z * x, x * y], (R::ONE - R::ONE / length).max(R::ZERO))
             } else {
                 // Ends in one place may go apart in any direction.
-                (ONE.map(R::from_f64), R::ZERO)
+                (IDENTITY.map(R::from_f64), R::ZERO)
             };
             let per_constant = link.inverse_rest_length * (mobility(ends[0]) + mobility(ends[1]));
             let [stiffness, damping] = family.constants(number).map(|constant| constant * per_constant);
             for end in ends {
                 let [of_stiffness, of_damping] = &mut sums[end];
                 for (place, along) in along.into_iter().enumerate() {
-                    of_stiffness[place] += stiffness * (along + tension * (R::from_f64(ONE[place]) - along));
+                    of_stiffness[place] += stiffness * (along + tension * (R::from_f64(IDENTITY[place]) - along));
                     of_damping[place] += damping * along;
                 }
             }

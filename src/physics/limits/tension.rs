@@ -20,7 +20,7 @@ use crate::physics::model::{BodyModel, LatticeConstants};
 use crate::physics::schemes::chebyshev::DISC_RADIUS;
 
 /// Steps of a bisection: to a millionth of the range.
-const HALVINGS: usize = 20;
+const BISECTION_STEPS: usize = 20;
 
 /// Doublings of a rate after which no rate counts as high enough.
 const DOUBLINGS: usize = 30;
@@ -41,7 +41,7 @@ pub(in crate::physics) fn largest_strain<R: Real>(body: &BodyModel<R>, secs: f64
                 continue;
             }
             let mut low = 0.0;
-            for _ in 0..HALVINGS {
+            for _ in 0..BISECTION_STEPS {
                 let middle = 0.5 * (low + tension);
                 if lattice.holds(tensors, rate, middle) { low = middle } else { tension = middle }
             }
@@ -70,7 +70,7 @@ pub(in crate::physics) fn longest_secs<R: Real>(body: &BodyModel<R>, strain: f64
             let Some(mut high) = doubled.into_iter().find(|&rate| lattice.holds(tensors, rate, tension)) else {
                 return 0.0;
             };
-            for _ in 0..HALVINGS {
+            for _ in 0..BISECTION_STEPS {
                 let middle = 0.5 * (least_rate + high);
                 if lattice.holds(tensors, middle, tension) { high = middle } else { least_rate = middle }
             }

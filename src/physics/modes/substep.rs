@@ -101,7 +101,7 @@ pub(in crate::physics) fn advance<R: Real>(
 ) -> ModalReport {
     let mut report = ModalReport { is_finite: true, ..ModalReport::default() };
     let Inputs { model, plan, secs, .. } = inputs;
-    let long_enough = sleep::long_enough(plan);
+    let long_enough = sleep::min_still_substeps(plan);
     for (number, body) in model.bodies.iter().enumerate() {
         let Some(modal) = body.modal.as_ref().filter(|_| inputs.moves(number, state)) else { continue };
         begin(inputs, (number, modal), state, workspace, recorder);

@@ -131,11 +131,11 @@ impl<'a, R: Real> Ahead<'a, R> {
         let mut next = state.clone();
         // A sleeping body's contacts are found, too.
         next.bodies.iter_mut().for_each(BodyMemory::wake);
-        let is_on_time = schemes::is_on_time(plan, state);
+        let is_on_time = schemes::is_velocity_synchronised(plan, state);
         let mut workspace;
         let (way, part) = if is_on_time {
             // Only contacts are needed: any scheme finds them, so the cheapest is taken.
-            let whole = stepping::whole(plan);
+            let whole = stepping::whole_substep(plan);
             let way = Plan { scheme: Scheme::SemiImplicit, halvings: 0, ..plan.clone() };
             workspace = StepWorkspace::new(model, &way);
             (Cow::Owned(way), Part { secs: whole.secs * INSTANT, scheme: Scheme::SemiImplicit, ..whole })

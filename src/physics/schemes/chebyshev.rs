@@ -12,10 +12,10 @@
 const DAMPING: f64 = 2.0 / 13.0;
 
 /// The fewest stages: with fewer, a step divided by its stages is no longer than a step of semi-implicit Euler.
-pub(in crate::physics) const FEWEST_STAGES: u32 = 4;
+pub(in crate::physics) const MIN_STAGES: u32 = 4;
 
 /// The most stages.
-pub(in crate::physics) const MOST_STAGES: u32 = 16;
+pub(in crate::physics) const MAX_STAGES: u32 = 16;
 
 /// The radius of the largest disc that lies within the stability region and touches its end at 0, for any number of stages
 /// that is used.
@@ -53,14 +53,14 @@ impl Chebyshev {
 
 /// The weights of a stage: `y_j − y_0 = last (y_(j−1) − y_0) + before (y_(j−2) − y_0) + h (slope f_(j−1) + first f_0)`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stage {
+pub(super) struct StageWeights {
     pub(super) last: f64,
     pub(super) before: f64,
     pub(super) slope: f64,
     pub(super) first: f64,
 }
 
-impl Stage {
+impl StageWeights {
     /// Returns `y_j − y_0` of one number, from that of the two stages before and the slopes times h.
     pub(super) fn next(&self, before: f64, last: f64, slope: f64, first: f64) -> f64 {
         self.last * last + self.before * before + self.slope * slope + self.first * first
@@ -89,13 +89,13 @@ impl Stages {
     }
 
     /// Returns the next stage.
-    pub(super) fn next(&mut self) -> Stage {
+    pub(super) fn next(&mut self) -> StageWeights {
         let [before, last] = self.polynomials;
         let polynomial = Chebyshev::next(self.w0, [before, last]);
         let weight = polynomial.weight();
         let [weight_before, weight_last] = self.weights;
         let slope = 2.0 * weight * self.w1 / weight_last;
-        let stage = Stage {
+        let stage = StageWeights {
             last: 2.0 * weight * self.w0 / weight_last,
             before: -weight / weight_before,
             slope,
@@ -125,7 +125,7 @@ pub(in crate::physics) fn reach(stages: u32) -> f64 {
 
 /// Returns the fewest stages that reach this far along the negative axis, or the most there are.
 pub(in crate::physics) fn stages_for(along: f64) -> u32 {
-    (FEWEST_STAGES..MOST_STAGES).find(|&stages| reach(stages) >= along).unwrap_or(MOST_STAGES)
+    (MIN_STAGES..MAX_STAGES).find(|&stages| reach(stages) >= along).unwrap_or(MAX_STAGES)
 }
 
 #[cfg(test)]
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn the_region_of_stability_holds_the_axis_and_the_disc() {
-        for stages in FEWEST_STAGES..=MOST_STAGES {
+        for stages in MIN_STAGES..=MAX_STAGES {
             let reach = reach(stages);
             for part in 0..=4000 {
                 let along = f64::from(part) / 4000.0;
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn stages_are_of_second_order() {
-        for stages in [FEWEST_STAGES, 7, MOST_STAGES] {
+        for stages in [MIN_STAGES, 7, MAX_STAGES] {
             let error = |z: f64| (factor(stages, [-z, 0.0]) - (-z).exp()).abs();
             let ratio = error(0.1) / error(0.05);
             assert!((7.0..9.0).contains(&ratio), "{stages} stages: {ratio}");
@@ -179,8 +179,8 @@ mod tests {
 
     #[test]
     fn as_many_stages_as_reach_so_far() {
-        assert_eq!(stages_for(1.0), FEWEST_STAGES);
+        assert_eq!(stages_for(1.0), MIN_STAGES);
         assert!(reach(stages_for(50.0)) >= 50.0 && reach(stages_for(50.0) - 1) < 50.0);
-        assert_eq!(stages_for(1e9), MOST_STAGES);
+        assert_eq!(stages_for(1e9), MAX_STAGES);
     }
 }

@@ -4,13 +4,13 @@ use crate::math::{Real, Vector};
 
 /// A particle that an obstacle pushes in a substep.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct Held<R: Real> {
+pub(in crate::physics) struct HeldParticle<R: Real> {
     /// The particle, in the state's arrays.
     pub(in crate::physics) particle: usize,
     /// Its velocity in the directions in which it is held, m/s.
     pub(in crate::physics) velocity: R::Vec3,
     /// Its contact with the one surface that pushes it; if none, it is held in every direction.
-    pub(in crate::physics) touch: Option<SurfaceContact<R>>,
+    pub(in crate::physics) contact: Option<SurfaceContact<R>>,
     /// The impulse that brought it to the velocity it is held at, N·s.
     pub(in crate::physics) push: R::Vec3,
     /// Its mass, kg.
@@ -18,9 +18,9 @@ pub(in crate::physics) struct Held<R: Real> {
     /// Its sliding velocity when the substep begins, m/s.
     pub(super) sliding: R::Vec3,
     /// The impulse that contact took from it up to the stage before the last, and up to the last, N·s.
-    pub(super) taken: [R::Vec3; 2],
+    pub(super) contact_impulses: [R::Vec3; 2],
     /// The force that contact takes from it at the state and at the last stage, N.
-    pub(super) taking: [R::Vec3; 2],
+    pub(super) contact_forces: [R::Vec3; 2],
 }
 
 /// How a surface touches a particle.
@@ -83,7 +83,7 @@ impl<R: Real> SurfaceContact<R> {
     }
 
     /// Returns the push of the spring, N.
-    fn pushing(&self, spring: &ContactSpring<R>, at: &AtStage<R>) -> R {
+    fn spring_force(&self, spring: &ContactSpring<R>, at: &AtStage<R>) -> R {
         let depth = (self.surface_velocity * at.secs - at.moved).dot(self.normal) - spring.gap;
         let leaving = (at.velocity - self.surface_velocity).dot(self.normal);
         let pushing = spring.stiffness * depth.min(spring.depth_limit) - spring.damping * leaving;
@@ -91,32 +91,41 @@ impl<R: Real> SurfaceContact<R> {
     }
 }
 
-impl<R: Real> Held<R> {
+impl<R: Real> HeldParticle<R> {
     /// Makes a particle of this mass (kg) that is pushed in the coming substep.
     pub(in crate::physics) fn new(
         particle: usize,
         mass: R,
         velocity: R::Vec3,
-        touch: Option<SurfaceContact<R>>,
+        contact: Option<SurfaceContact<R>>,
     ) -> Self {
         let zero = R::Vec3::ZERO;
-        Self { particle, velocity, touch, mass, sliding: zero, push: zero, taken: [zero; 2], taking: [zero; 2] }
+        Self {
+            particle,
+            velocity,
+            contact,
+            mass,
+            sliding: zero,
+            push: zero,
+            contact_impulses: [zero; 2],
+            contact_forces: [zero; 2],
+        }
     }
 
     /// Returns the part of a vector in the directions in which the particle is held.
-    pub(super) fn part(&self, of: R::Vec3) -> R::Vec3 {
-        let Some(touch) = &self.touch else { return of };
-        let along = if touch.spring.is_none() { touch.normal * of.dot(touch.normal) } else { R::Vec3::ZERO };
-        if let HeldFriction::Sticks { .. } = touch.friction { along + touch.across(of) } else { along }
+    pub(super) fn held_component(&self, of: R::Vec3) -> R::Vec3 {
+        let Some(contact) = &self.contact else { return of };
+        let along = if contact.spring.is_none() { contact.normal * of.dot(contact.normal) } else { R::Vec3::ZERO };
+        if let HeldFriction::Sticks { .. } = contact.friction { along + contact.across(of) } else { along }
     }
 
     /// Changes the particle's velocity as the substep begins to the one it is held at.
     pub(super) fn begin(&mut self, velocity: &mut R::Vec3) {
-        let change = self.part(self.velocity - *velocity);
+        let change = self.held_component(self.velocity - *velocity);
         *velocity += change;
-        (self.push, self.taken) = (change * self.mass, [R::Vec3::ZERO; 2]);
-        let past = |touch: &SurfaceContact<R>| touch.across(*velocity - touch.surface_velocity);
-        self.sliding = self.touch.as_ref().map_or(R::Vec3::ZERO, past);
+        (self.push, self.contact_impulses) = (change * self.mass, [R::Vec3::ZERO; 2]);
+        let past = |contact: &SurfaceContact<R>| contact.across(*velocity - contact.surface_velocity);
+        self.sliding = self.contact.as_ref().map_or(R::Vec3::ZERO, past);
     }
 
     /// Returns what contact takes from the force on the particle in a substep of `dt` (s), N: all of it in directions in
@@ -124,46 +133,46 @@ impl<R: Real> Held<R> {
     /// proportion to the speed it began with: a brake by the speed at each stage can keep a particle at a speed without
     /// moving it. A particle so slow that this would stop it faster than at `rate` (1/s) only begins to slide: friction
     /// opposes what pulls at it.
-    pub(super) fn take(&self, at: &AtStage<R>, dt: R, rate: R) -> R::Vec3 {
-        let Some(touch) = &self.touch else { return at.force };
-        let along = at.force.dot(touch.normal);
-        let (taken, pressing) = match &touch.spring {
-            None => (along, (self.push.dot(touch.normal) / dt - along).max(R::ZERO)),
+    pub(super) fn contact_force(&self, at: &AtStage<R>, dt: R, rate: R) -> R::Vec3 {
+        let Some(contact) = &self.contact else { return at.force };
+        let along = at.force.dot(contact.normal);
+        let (taken, pressing) = match &contact.spring {
+            None => (along, (self.push.dot(contact.normal) / dt - along).max(R::ZERO)),
             Some(spring) => {
-                let pushing = touch.pushing(spring, at);
+                let pushing = contact.spring_force(spring, at);
                 (-pushing, pushing)
             }
         };
-        let pulling = touch.across(at.force);
-        let friction = match touch.friction {
+        let pulling = contact.across(at.force);
+        let friction = match contact.friction {
             HeldFriction::Sticks { coefficient, dynamic } => {
                 // The impulse that stopped it was friction, too.
-                let stopping = touch.across(self.push) * (R::ONE / dt);
+                let stopping = contact.across(self.push) * (R::ONE / dt);
                 let needed = pulling - stopping;
                 let is_held = needed.length() <= coefficient * pressing;
-                if is_held { pulling } else { stopping + no_longer_than::<R>(needed, dynamic * pressing) }
+                if is_held { pulling } else { stopping + clamp_length::<R>(needed, dynamic * pressing) }
             }
             HeldFriction::Slides(coefficient) => {
                 let (limit, most, speed) = (coefficient * pressing, rate * self.mass, self.sliding.length());
                 if limit < most * speed {
-                    let past = touch.across(at.velocity - touch.surface_velocity);
+                    let past = contact.across(at.velocity - contact.surface_velocity);
                     past * (limit / speed.max(past.length()))
                 } else {
-                    no_longer_than::<R>(pulling, limit)
+                    clamp_length::<R>(pulling, limit)
                 }
             }
         };
-        touch.normal * taken + friction
+        contact.normal * taken + friction
     }
 
     /// Returns the mean force of contact over a past substep of `dt` (s), N.
     pub(in crate::physics) fn mean_force(&self, dt: R) -> R::Vec3 {
-        (self.push - self.taken[1]) * (R::ONE / dt)
+        (self.push - self.contact_impulses[1]) * (R::ONE / dt)
     }
 }
 
 /// Returns a vector, cut off at a length.
-fn no_longer_than<R: Real>(of: R::Vec3, most: R) -> R::Vec3 {
+fn clamp_length<R: Real>(of: R::Vec3, most: R) -> R::Vec3 {
     let length = of.length();
     if most < length { of * (most / length) } else { of }
 }
@@ -172,11 +181,11 @@ fn no_longer_than<R: Real>(of: R::Vec3, most: R) -> R::Vec3 {
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct StageWorkspace<R: Real> {
     /// The held particles, ascending.
-    pub(in crate::physics) held: Vec<Held<R>>,
+    pub(in crate::physics) held: Vec<HeldParticle<R>>,
     /// Velocities at the start, m/s: held particles have the one they are held at.
-    pub(super) start: Vec<R::Vec3>,
+    pub(super) start_velocity: Vec<R::Vec3>,
     /// Forces at the start less what contact takes, N.
-    pub(super) first: Vec<R::Vec3>,
+    pub(super) first_force: Vec<R::Vec3>,
     /// How far the stage before the last and the last stage are from the state, m.
     pub(super) moved: [Vec<R::Vec3>; 2],
     /// The same for velocities, from those at the start, m/s.
@@ -188,6 +197,6 @@ impl<R: Real> StageWorkspace<R> {
     pub(super) fn new(particles: usize, most_held: usize) -> Self {
         let room = || vec![R::Vec3::ZERO; particles];
         let held = Vec::with_capacity(most_held);
-        Self { held, start: room(), first: room(), moved: [room(), room()], changed: [room(), room()] }
+        Self { held, start_velocity: room(), first_force: room(), moved: [room(), room()], changed: [room(), room()] }
     }
 }

@@ -26,9 +26,9 @@ mod stabilised;
 mod stepper;
 mod verlet;
 
-pub(super) use held::{ContactSpring, Held, HeldFriction, SurfaceContact};
+pub(super) use held::{ContactSpring, HeldFriction, HeldParticle, SurfaceContact};
 pub(super) use implicit::bytes as implicit_bytes;
-pub(super) use stepper::{SchemeWorkspace, Stepper, kicked_for, moves_by_mean};
+pub(super) use stepper::{SchemeWorkspace, Stepper, kick_secs, moves_by_mean};
 
 use stepper::kick;
 
@@ -50,7 +50,7 @@ impl<R: Real> Stepper<'_, R> {
         }
         let Substep { model, plan, state, .. } = self.substep;
         velocity.copy_from_slice(&state.velocity);
-        kick(model, plan.simd, &state.bodies, kicked_for(self.substep), self.force, velocity);
+        kick(model, plan.simd, &state.bodies, kick_secs(self.substep), self.force, velocity);
         if moves_by_mean(self.substep.scheme) {
             self.workspace.predicted.copy_from_slice(velocity);
         }
@@ -98,13 +98,13 @@ impl<R: Real> Stepper<'_, R> {
             Scheme::Rk4 => rk4::refine(self, velocity, recorder),
             _ => {}
         }
-        let SchemeWorkspace { path: Some(path), pushed, .. } = self.workspace else { return };
+        let SchemeWorkspace { mean_velocity: Some(mean_velocity), pushed, .. } = self.workspace else { return };
         if self.substep.scheme == Scheme::Explicit {
-            path.copy_from_slice(&self.substep.state.velocity);
+            mean_velocity.copy_from_slice(&self.substep.state.velocity);
         }
         for &(particle, after) in &*pushed {
             velocity[particle] = after;
-            path[particle] = after;
+            mean_velocity[particle] = after;
         }
     }
 
@@ -129,7 +129,7 @@ impl<R: Real> Stepper<'_, R> {
 }
 
 /// Whether the state's velocity belongs to the same time as its position.
-pub(super) fn is_on_time<R: Real>(plan: &Plan, state: &State<R>) -> bool {
+pub(super) fn is_velocity_synchronised<R: Real>(plan: &Plan, state: &State<R>) -> bool {
     match plan.scheme {
         Scheme::SemiImplicit => false,
         Scheme::Verlet => state.velocity_lag_secs <= 0.0,
@@ -162,11 +162,11 @@ pub(super) fn remember<R: Real>(
     plan: &Plan,
     dt: R,
     force: &[R::Vec3],
-    held_force: Option<&[R::Vec3]>,
+    thesis_force: Option<&[R::Vec3]>,
     state: &mut State<R>,
 ) {
     match plan.scheme {
-        Scheme::Verlet => verlet::remember(model, dt, force, held_force, state),
+        Scheme::Verlet => verlet::remember(model, dt, force, thesis_force, state),
         // The next kick is longer or shorter where the substeps change.
         Scheme::SemiImplicit => state.velocity_lag_secs = 0.5 * dt.to_f64(),
         _ => {}

@@ -9,8 +9,8 @@ use crate::physics::report::Recorder;
 pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
     stepper.first_stage();
     stepper.next_stage(stepper.substep.dt * R::from_f64(0.5), recorder);
-    if let Some(path) = &mut stepper.workspace.path {
-        path.copy_from_slice(&stepper.workspace.velocity);
+    if let Some(mean_velocity) = &mut stepper.workspace.mean_velocity {
+        mean_velocity.copy_from_slice(&stepper.workspace.velocity);
     }
     velocity.copy_from_slice(&stepper.substep.state.velocity);
     kick(

@@ -11,8 +11,8 @@ use crate::physics::report::Recorder;
 /// Four evaluations; the weighted slopes are summed on the way.
 pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
     stepper.first_stage();
-    if let Some(path) = &mut stepper.workspace.path {
-        path.fill(R::Vec3::default());
+    if let Some(mean_velocity) = &mut stepper.workspace.mean_velocity {
+        mean_velocity.fill(R::Vec3::default());
     }
     velocity.copy_from_slice(&stepper.substep.state.velocity);
     add_share(stepper, 1.0 / 6.0, velocity);
@@ -24,8 +24,9 @@ pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::V
 
 fn add_share<R: Real>(stepper: &mut Stepper<'_, R>, share: f64, velocity: &mut [R::Vec3]) {
     let share = R::from_f64(share);
-    for (path, stage) in stepper.workspace.path.iter_mut().flatten().zip(&stepper.workspace.velocity) {
-        *path += *stage * share;
+    for (mean_velocity, stage) in stepper.workspace.mean_velocity.iter_mut().flatten().zip(&stepper.workspace.velocity)
+    {
+        *mean_velocity += *stage * share;
     }
     kick(
         stepper.substep.model,

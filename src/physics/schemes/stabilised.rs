@@ -15,13 +15,13 @@
 
 use std::ops::Range;
 
-use super::chebyshev::{Stage, Stages};
+use super::chebyshev::{StageWeights, Stages};
 use super::held::{AtStage, StageWorkspace};
 use super::stepper::{SchemeWorkspace, Stepper};
 use crate::math::{Real, Vector};
 use crate::physics::forces;
 use crate::physics::forces::links::Configuration;
-use crate::physics::forces::particles::hold_pinned;
+use crate::physics::forces::particles::zero_pinned;
 use crate::physics::kernels::{self, SimdLevel, StageSources, StageTerms};
 use crate::physics::model::{BodyModel, Values, plan};
 use crate::physics::report::Recorder;
@@ -53,7 +53,7 @@ pub(super) fn predict<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::
                     *velocity += *force * (substep.dt / substep.inertia(number, local));
                 }
             }
-            hold_pinned(body, part, velocity);
+            zero_pinned(body, part, velocity);
             predicted.copy_from_slice(velocity);
         });
     }
@@ -67,7 +67,7 @@ pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::V
     if !begin(stepper, recorder) {
         return;
     }
-    go(stepper, Stage { last: 0.0, before: 0.0, slope: ahead, first: 0.0 });
+    advance_stage(stepper, StageWeights { last: 0.0, before: 0.0, slope: ahead, first: 0.0 });
     // The share of the substep that is over at the last two stages.
     let (mut share_before, mut share) = (0.0, ahead);
     for _ in 1..count {
@@ -79,18 +79,18 @@ pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::V
             return;
         }
         add_constant(stepper);
-        hold(stepper, R::from_f64(share) * stepper.substep.dt);
+        subtract_contact_forces(stepper, R::from_f64(share) * stepper.substep.dt);
         let stage = stages.next();
         (share_before, share) = (share, stage.next(share_before, share, 1.0, 1.0));
-        go(stepper, stage);
+        advance_stage(stepper, stage);
     }
-    let SchemeWorkspace { path, velocity: end, stages, .. } = &mut *stepper.workspace;
-    let Some(path) = path else { return };
+    let SchemeWorkspace { mean_velocity, velocity: end, stages, .. } = &mut *stepper.workspace;
+    let Some(mean_velocity) = mean_velocity else { return };
     let (over_dt, moved) = (R::ONE / stepper.substep.dt, &stages.moved[1]);
-    team::by_part(stepper.substep.plan.threads, [velocity, path], |part, [velocity, path]| {
+    team::by_part(stepper.substep.plan.threads, [velocity, mean_velocity], |part, [velocity, mean_velocity]| {
         velocity.copy_from_slice(&end[part.clone()]);
-        for (path, moved) in path.iter_mut().zip(&moved[part]) {
-            *path = *moved * over_dt;
+        for (mean_velocity, moved) in mean_velocity.iter_mut().zip(&moved[part]) {
+            *mean_velocity = *moved * over_dt;
         }
     });
 }
@@ -99,12 +99,14 @@ pub(super) fn refine<R: Real>(stepper: &mut Stepper<'_, R>, velocity: &mut [R::V
 /// velocities. Returns false if the substep is given up.
 fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> bool {
     let SchemeWorkspace { stages, velocity, force, .. } = &mut *stepper.workspace;
-    let StageWorkspace { held, start, moved: [moved_before, moved], changed: [changed_before, changed], .. } = stages;
+    let StageWorkspace {
+        held, start_velocity, moved: [moved_before, moved], changed: [changed_before, changed], ..
+    } = stages;
     let (state, known, threads) = (stepper.substep.state, stepper.force, stepper.substep.plan.threads);
-    let to = [&mut start[..], velocity, force, moved_before, moved, changed_before, changed];
-    team::by_part(threads, to, |part, [start, velocity, force, stages @ ..]: [&mut [R::Vec3]; 7]| {
-        start.copy_from_slice(&state.velocity[part.clone()]);
-        velocity.copy_from_slice(start);
+    let to = [&mut start_velocity[..], velocity, force, moved_before, moved, changed_before, changed];
+    team::by_part(threads, to, |part, [start_velocity, velocity, force, stages @ ..]: [&mut [R::Vec3]; 7]| {
+        start_velocity.copy_from_slice(&state.velocity[part.clone()]);
+        velocity.copy_from_slice(start_velocity);
         force.copy_from_slice(&known[part]);
         for stage in stages {
             stage.fill(R::Vec3::ZERO);
@@ -112,10 +114,10 @@ fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> 
     });
     let mut is_changed = false;
     for held in &mut *held {
-        let start = &mut start[held.particle];
-        held.begin(start);
-        is_changed |= *start != state.velocity[held.particle];
-        velocity[held.particle] = *start;
+        let start_velocity = &mut start_velocity[held.particle];
+        held.begin(start_velocity);
+        is_changed |= *start_velocity != state.velocity[held.particle];
+        velocity[held.particle] = *start_velocity;
     }
     if is_changed {
         // Forces at the old velocity would drive the neighbours as if the particle still had it.
@@ -129,18 +131,18 @@ fn begin<R: Real>(stepper: &mut Stepper<'_, R>, recorder: &mut Recorder<'_>) -> 
     } else {
         add_pull(stepper);
     }
-    hold(stepper, R::ZERO);
-    let SchemeWorkspace { stages: StageWorkspace { held, first, .. }, force, .. } = &mut *stepper.workspace;
+    subtract_contact_forces(stepper, R::ZERO);
+    let SchemeWorkspace { stages: StageWorkspace { held, first_force, .. }, force, .. } = &mut *stepper.workspace;
     for held in held {
-        held.taking[0] = held.taking[1];
+        held.contact_forces[0] = held.contact_forces[1];
     }
-    team::by_part(threads, [&mut first[..]], |part, [first]| first.copy_from_slice(&force[part]));
+    team::by_part(threads, [&mut first_force[..]], |part, [first_force]| first_force.copy_from_slice(&force[part]));
     true
 }
 
 /// Adds to the forces at a stage those that are constant over the substep: the thesis's contact and the hand's pull.
 fn add_constant<R: Real>(stepper: &mut Stepper<'_, R>) {
-    for (force, held) in stepper.workspace.force.iter_mut().zip(stepper.held_force.into_iter().flatten()) {
+    for (force, held) in stepper.workspace.force.iter_mut().zip(stepper.thesis_force.into_iter().flatten()) {
         *force += *held;
     }
     add_pull(stepper);
@@ -157,24 +159,29 @@ fn add_pull<R: Real>(stepper: &mut Stepper<'_, R>) {
 }
 
 /// Subtracts what contact takes from the forces at a stage, `secs` after the substep began.
-fn hold<R: Real>(stepper: &mut Stepper<'_, R>, secs: R) {
+fn subtract_contact_forces<R: Real>(stepper: &mut Stepper<'_, R>, secs: R) {
     let substep = stepper.substep;
     let SchemeWorkspace { stages: StageWorkspace { held, moved, .. }, velocity, force, .. } = &mut *stepper.workspace;
     for held in held {
         let (particle, Some(body)) = (held.particle, substep.model.body_of(held.particle)) else { continue };
         let force = &mut force[particle];
         let at = AtStage { secs, moved: moved[1][particle], velocity: velocity[particle], force: *force };
-        held.taking[1] = held.take(&at, substep.dt, substep.braking_rate(body));
-        *force -= held.taking[1];
+        held.contact_forces[1] = held.contact_force(&at, substep.dt, substep.braking_rate(body));
+        *force -= held.contact_forces[1];
     }
 }
 
 /// Goes to the next stage.
-fn go<R: Real>(stepper: &mut Stepper<'_, R>, stage: Stage) {
+fn advance_stage<R: Real>(stepper: &mut Stepper<'_, R>, stage: StageWeights) {
     let substep = stepper.substep;
     let SchemeWorkspace { stages, position, velocity, force, .. } = &mut *stepper.workspace;
-    let StageWorkspace { held, start, first, moved: [moved_before, moved], changed: [changed_before, changed] } =
-        stages;
+    let StageWorkspace {
+        held,
+        start_velocity,
+        first_force,
+        moved: [moved_before, moved],
+        changed: [changed_before, changed],
+    } = stages;
     let [last, before] = [stage.last, stage.before].map(R::from_f64);
     let [slope, first_slope] = [stage.slope, stage.first].map(|of| R::from_f64(of) * substep.dt);
     let terms = StageTerms { last, before, slope, first: first_slope };
@@ -182,8 +189,8 @@ fn go<R: Real>(stepper: &mut Stepper<'_, R>, stage: Stage) {
         let own = body.particles.clone();
         let sources = Sources {
             last: [&moved[own.clone()], &changed[own.clone()]],
-            slopes: [&force[own.clone()], &first[own.clone()]],
-            start: [&substep.state.position[own.clone()], &start[own.clone()]],
+            slopes: [&force[own.clone()], &first_force[own.clone()]],
+            start: [&substep.state.position[own.clone()], &start_velocity[own.clone()]],
         };
         let to = [
             &mut moved_before[own.clone()],
@@ -196,10 +203,13 @@ fn go<R: Real>(stepper: &mut Stepper<'_, R>, stage: Stage) {
         });
     }
     for held in held {
-        let [before, last] = held.taken;
-        held.taken = [
+        let [before, last] = held.contact_impulses;
+        held.contact_impulses = [
             last,
-            last * terms.last + before * terms.before + held.taking[1] * terms.slope + held.taking[0] * terms.first,
+            last * terms.last
+                + before * terms.before
+                + held.contact_forces[1] * terms.slope
+                + held.contact_forces[0] * terms.first,
         ];
     }
     std::mem::swap(moved_before, moved);
@@ -233,12 +243,12 @@ fn next_stage<R: Real>(
     level: SimdLevel,
     terms: StageTerms<R>,
     local: Range<usize>,
-    Sources { last, slopes: [force, first_force], start: [begun, begun_velocity] }: Sources<'_, R>,
+    Sources { last, slopes: [force, first_force], start: [start_position, start_velocity] }: Sources<'_, R>,
     [moved, changed, position, velocity]: [&mut [R::Vec3]; 4],
 ) {
-    let ways = StageSources { last: last[0], slope: &*velocity, first: begun_velocity, start: begun };
+    let ways = StageSources { last: last[0], slope: &*velocity, first: start_velocity, start: start_position };
     kernels::next_stage(level, terms, R::ONE, ways, moved, position);
-    let changes = StageSources { last: last[1], slope: force, first: first_force, start: begun_velocity };
+    let changes = StageSources { last: last[1], slope: force, first: first_force, start: start_velocity };
     match &body.masses {
         Values::Uniform(mass) => kernels::next_stage(level, terms, R::ONE / *mass, changes, changed, velocity),
         Values::Each(masses) => {
@@ -247,7 +257,7 @@ fn next_stage<R: Real>(
     }
     if body.pinned != Values::Uniform(false) {
         for (at, _) in local.enumerate().filter(|(_, local)| body.is_pinned(*local)) {
-            (position[at], velocity[at]) = (begun[at], begun_velocity[at]);
+            (position[at], velocity[at]) = (start_position[at], start_velocity[at]);
             (moved[at], changed[at]) = (R::Vec3::ZERO, R::Vec3::ZERO);
         }
     }

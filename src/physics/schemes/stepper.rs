@@ -3,7 +3,7 @@
 use crate::math::{Real, Vector};
 use crate::physics::forces;
 use crate::physics::forces::links::Configuration;
-use crate::physics::forces::particles::kick_some;
+use crate::physics::forces::particles::kick_particles;
 use crate::physics::kernels::SimdLevel;
 use crate::physics::model::Model;
 use crate::physics::model::Scheme;
@@ -20,7 +20,7 @@ use crate::physics::step::substep::Substep;
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct SchemeWorkspace<R: Real> {
     /// Mean velocity over the substep, m/s, for schemes that move particles with it rather than with that at the end.
-    pub(in crate::physics) path: Option<Vec<R::Vec3>>,
+    pub(in crate::physics) mean_velocity: Option<Vec<R::Vec3>>,
     /// The predicted velocities, m/s, before contact changed them.
     pub(super) predicted: Vec<R::Vec3>,
     /// The velocities that contact left, m/s.
@@ -47,7 +47,7 @@ impl<R: Real> SchemeWorkspace<R> {
         let has_changes = moves_by_mean(plan.scheme) && plan.scheme != Scheme::Stabilised;
         let surface = || model.bodies.iter().map(|body| body.lattice.surface).sum();
         Self {
-            path: moves_by_mean(plan.scheme).then(|| room(true)),
+            mean_velocity: moves_by_mean(plan.scheme).then(|| room(true)),
             predicted: room(moves_by_mean(plan.scheme)),
             after_contact: room(has_changes),
             pushed: Vec::with_capacity(if has_changes { model.particle_count() } else { 0 }),
@@ -77,7 +77,7 @@ impl<R: Real> SchemeWorkspace<R> {
 
     /// Returns the velocities that move particles, given those at the end of the substep.
     pub(in crate::physics) fn moving<'a>(&'a self, velocity: &'a [R::Vec3]) -> &'a [R::Vec3] {
-        self.path.as_deref().unwrap_or(velocity)
+        self.mean_velocity.as_deref().unwrap_or(velocity)
     }
 }
 
@@ -87,7 +87,7 @@ pub(in crate::physics) struct Stepper<'a, R: Real> {
     /// Forces at the state, N.
     pub(in crate::physics) force: &'a [R::Vec3],
     /// The part of the thesis's contact, N: constant over the substep. None without that rule.
-    pub(in crate::physics) held_force: Option<&'a [R::Vec3]>,
+    pub(in crate::physics) thesis_force: Option<&'a [R::Vec3]>,
     pub(in crate::physics) workspace: &'a mut SchemeWorkspace<R>,
     pub(in crate::physics) forces: &'a mut forces::ForceWorkspace<R>,
 }
@@ -97,7 +97,7 @@ impl<R: Real> Stepper<'_, R> {
     pub(super) fn first_stage(&mut self) {
         self.workspace.velocity.copy_from_slice(&self.substep.state.velocity);
         self.workspace.force.copy_from_slice(self.force);
-        self.add_changes();
+        self.add_contact_forces();
     }
 
     /// Goes from the state for `ahead` (s) along the slope of the last stage, and evaluates the forces there.
@@ -115,15 +115,15 @@ impl<R: Real> Stepper<'_, R> {
         }
         let at = Configuration { position, velocity, residual: None };
         forces::evaluate(self.substep, at, force, None, self.forces, recorder);
-        for (force, held) in force.iter_mut().zip(self.held_force.into_iter().flatten()) {
+        for (force, held) in force.iter_mut().zip(self.thesis_force.into_iter().flatten()) {
             *force += *held;
         }
-        self.add_changes();
+        self.add_contact_forces();
         recorder.enter(Stage::Integrate);
     }
 
     /// Adds the mean force by which contact changed the predicted velocities.
-    fn add_changes(&mut self) {
+    fn add_contact_forces(&mut self) {
         let SchemeWorkspace { predicted, after_contact, force, .. } = self.workspace;
         for body in awake(self.substep.model, &self.substep.state.bodies) {
             for (local, particle) in body.particles.clone().enumerate() {
@@ -135,10 +135,10 @@ impl<R: Real> Stepper<'_, R> {
 }
 
 /// Returns how long the forces at the state act on its velocities to give those at the end of a substep, s.
-pub(in crate::physics) fn kicked_for<R: Real>(Substep { state, dt, scheme, .. }: Substep<'_, R>) -> R {
+pub(in crate::physics) fn kick_secs<R: Real>(Substep { state, dt, scheme, .. }: Substep<'_, R>) -> R {
     match scheme {
-        Scheme::Verlet => verlet::kicked_for(dt, state),
-        Scheme::SemiImplicit if state.velocity_lag_secs > 0.0 => verlet::kicked_for(dt, state),
+        Scheme::Verlet => verlet::kick_secs(dt, state),
+        Scheme::SemiImplicit if state.velocity_lag_secs > 0.0 => verlet::kick_secs(dt, state),
         _ => dt,
     }
 }
@@ -159,6 +159,6 @@ pub(super) fn kick<R: Real>(
 ) {
     for body in awake(model, memory) {
         let own = body.particles.clone();
-        kick_some(body, 0..own.len(), level, dt, &force[own.clone()], &mut velocity[own]);
+        kick_particles(body, 0..own.len(), level, dt, &force[own.clone()], &mut velocity[own]);
     }
 }

@@ -13,7 +13,7 @@ use crate::physics::state::sleep::awake;
 
 /// Returns how long the present forces kick the velocity, s: `v½ = v₋½ + dt a`, or half of it from a velocity that is not
 /// behind.
-pub(super) fn kicked_for<R: Real>(dt: R, state: &State<R>) -> R {
+pub(super) fn kick_secs<R: Real>(dt: R, state: &State<R>) -> R {
     lag(state) + dt * R::from_f64(0.5)
 }
 
@@ -32,14 +32,14 @@ pub(super) fn remember<R: Real>(
     model: &Model<R>,
     dt: R,
     force: &[R::Vec3],
-    held_force: Option<&[R::Vec3]>,
+    thesis_force: Option<&[R::Vec3]>,
     state: &mut State<R>,
 ) {
     state.velocity_lag_secs = 0.5 * dt.to_f64();
     let Some(acceleration) = &mut state.acceleration else { return };
     for body in awake(model, &state.bodies) {
         for (local, particle) in body.particles.clone().enumerate() {
-            let held = held_force.map_or(R::Vec3::ZERO, |held| held[particle]);
+            let held = thesis_force.map_or(R::Vec3::ZERO, |held| held[particle]);
             acceleration[particle] = if body.is_pinned(local) {
                 R::Vec3::ZERO
             } else {

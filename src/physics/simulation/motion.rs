@@ -6,7 +6,7 @@ use super::Simulation;
 use crate::geometry::embed::{Embedder, Embedding};
 use crate::math::{Real, Vector, rotation};
 use crate::physics::contact::arrive;
-use crate::physics::forces::particles::hold_pinned;
+use crate::physics::forces::particles::zero_pinned;
 use crate::physics::limits::LinkLoad;
 use crate::physics::model::BodyModel;
 use crate::physics::state::moving::Approach;
@@ -86,7 +86,7 @@ impl<R: Real> Simulation<R> {
     /// Stops the held particles of a body, which may have moved before they were held.
     pub(super) fn stop_pinned(&mut self, body: usize) {
         let body = &self.model.bodies[body];
-        hold_pinned(body, 0..body.particles.len(), &mut self.state.velocity[body.particles.clone()]);
+        zero_pinned(body, 0..body.particles.len(), &mut self.state.velocity[body.particles.clone()]);
     }
 
     /// Puts a body back to its start; the others go on.

@@ -10,7 +10,7 @@ use crate::physics::model::{BodyModel, FallLimit, Model};
 use crate::physics::state::State;
 
 /// How far below everything else a body counts as gone, in sizes of the scene.
-const SIZES: f64 = 10.0;
+const FALL_DEPTH: f64 = 10.0;
 
 /// How far bodies of a model may fall: past the starts of all of them and all obstacles. None without gravity, which
 /// alone says where below is.
@@ -21,13 +21,13 @@ pub(in crate::physics) fn limit<R: Real>(model: &Model<R>) -> Option<FallLimit<R
     let bounds = Aabb::<f64>::around(starts.chain(corners).map(Vector::to_dvec3));
     // The lowest corner of the box.
     let lowest = (bounds.min * down).max(bounds.max * down).element_sum();
-    let depth = lowest + SIZES * bounds.size().length();
+    let depth = lowest + FALL_DEPTH * bounds.size().length();
     depth.is_finite().then(|| FallLimit { down: R::Vec3::from_dvec3(down), depth: R::from_f64(depth) })
 }
 
 /// Puts every body to sleep that has fallen past the limit with all its particles. Modal bodies, whose particles sleep, are
 /// checked when they move.
-pub(in crate::physics) fn watch<R: Real>(model: &Model<R>, state: &mut State<R>) {
+pub(in crate::physics) fn put_to_sleep<R: Real>(model: &Model<R>, state: &mut State<R>) {
     let Some(limit) = model.fall_limit else { return };
     for (number, body) in model.bodies.iter().enumerate() {
         if !state.bodies[number].asleep && is_past(limit, body, &state.position) {

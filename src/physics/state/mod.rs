@@ -23,7 +23,7 @@ use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 
 /// The [`State::work`] of a substep whose limit is reached.
-pub(super) const SPENT: u64 = u64::MAX;
+pub(super) const WORK_SPENT: u64 = u64::MAX;
 
 /// Positions, velocities and all else that a simulation remembers. Arrays are by particle, the bodies one after another.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +70,7 @@ pub struct State<R: Real> {
     pub part: u64,
     /// How often the substep under way is halved at present.
     pub halvings: u32,
-    /// The work on the substep under way so far, in iterations of the implicit integrator; `SPENT` once the limit of
+    /// The work on the substep under way so far, in iterations of the implicit integrator; `WORK_SPENT` once the limit of
     /// `Plan::most_work` was reached.
     pub work: u64,
     /// Whole steps that are counted and that the motion has yet to catch up with: see `Plan::span`.
@@ -89,7 +89,7 @@ pub struct BodyMemory {
     pub strain: Strain,
     /// For how many substeps the links of a strained body have been below that strain.
     pub calm_substeps: u32,
-    /// The largest load of a strained body's links at the last look; the default where it is not known.
+    /// The largest load of a strained body's links at the last check; the default where it is not known.
     pub load: LinkLoad,
     /// For how long the body has been slow while cells of it were inverted, ns.
     pub knotted_nanos: u32,
@@ -141,12 +141,12 @@ impl BodyMemory {
     }
 
     /// Becomes a copy of another, without allocating once there is room.
-    pub(super) fn copy(&mut self, of: &Self) {
+    pub(super) fn copy_from(&mut self, other: &Self) {
         let mut near_inversion = std::mem::take(&mut self.near_inversion);
         near_inversion.clear();
-        near_inversion.extend_from_slice(&of.near_inversion);
-        let Self { near_inversion: _, strain, calm_substeps, load, knotted_nanos, stuck, account, .. } = *of;
-        let Self { still_substeps, asleep, gone, is_modal, near_itself, apart, .. } = *of;
+        near_inversion.extend_from_slice(&other.near_inversion);
+        let Self { near_inversion: _, strain, calm_substeps, load, knotted_nanos, stuck, account, .. } = *other;
+        let Self { still_substeps, asleep, gone, is_modal, near_itself, apart, .. } = *other;
         *self = Self {
             near_inversion,
             strain,
@@ -267,7 +267,7 @@ impl<R: Real> State<R> {
 
     /// Renumbers the touches for other obstacles: `kept` names, for each of them, the old one that it was. Touches of
     /// obstacles that do not stay are forgotten.
-    pub(super) fn keep_touches(&mut self, kept: &[Option<usize>], stays: impl Fn(usize) -> bool) {
+    pub(super) fn renumber_touches(&mut self, kept: &[Option<usize>], stays: impl Fn(usize) -> bool) {
         self.touches.retain_mut(|touch| {
             let now = kept.iter().position(|was| *was == Some(touch.obstacle));
             touch.obstacle = now.unwrap_or(touch.obstacle);

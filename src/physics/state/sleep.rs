@@ -18,22 +18,22 @@ use crate::math::{Aabb, FRAME_SECS, Real, Vector};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, LatticeConstants, Model, ObstacleModel};
 use crate::physics::state::{BodyMemory, State};
-use crate::physics::stepping::looks;
+use crate::physics::stepping::checks;
 
 /// How long a body must be still, simulated s.
 pub(crate) const STILL_SECS: f64 = 0.5;
 
 /// Speed up to which a particle is still, body sizes a second.
-const FASTEST: f64 = 1e-3;
+const MAX_STILL_SPEED: f64 = 1e-3;
 
 /// How far particles of a body at rest may be from where they were when it was first still, body sizes.
-const FARTHEST: f64 = 1e-5;
+const MAX_REST_DISPLACEMENT: f64 = 1e-5;
 
 /// The same as a share of a free fall of [`STILL_SECS`].
-const FALLEN_SHARE: f64 = 0.01;
+const FREE_FALL_SHARE: f64 = 0.01;
 
 /// Simulated time between two checks of the displacement, s.
-const LOOK_SECS: f64 = FRAME_SECS;
+const CHECK_INTERVAL_SECS: f64 = FRAME_SECS;
 
 /// The bodies that are awake.
 pub(in crate::physics) fn awake<'a, R: Real>(
@@ -44,18 +44,18 @@ pub(in crate::physics) fn awake<'a, R: Real>(
 }
 
 /// Bodies that sleep.
-pub(in crate::physics) fn asleep<R: Real>(state: &State<R>) -> usize {
+pub(in crate::physics) fn asleep_count<R: Real>(state: &State<R>) -> usize {
     state.bodies.iter().filter(|memory| memory.asleep).count()
 }
 
 /// Whether there is nothing to do for particles: there are bodies, and all of them sleep.
-pub(in crate::physics) fn is_quiet<R: Real>(state: &State<R>) -> bool {
+pub(in crate::physics) fn are_all_asleep<R: Real>(state: &State<R>) -> bool {
     !state.bodies.is_empty() && state.bodies.iter().all(|memory| memory.asleep)
 }
 
 /// Substeps for which a body is still before it sleeps.
-pub(in crate::physics) fn long_enough(plan: &Plan) -> u64 {
-    looks::substeps_in(plan, STILL_SECS, libm::ceil)
+pub(in crate::physics) fn min_still_substeps(plan: &Plan) -> u64 {
+    checks::substeps_in(plan, STILL_SECS, libm::ceil)
 }
 
 /// Whether a body moves: its particles are awake, or it is a modal body that is not at rest. An obstacle that moves by itself
@@ -64,50 +64,51 @@ pub(in crate::physics) fn moves<R: Real>(model: &Model<R>, plan: &Plan, memory: 
     if !memory.is_modal {
         return !memory.asleep;
     }
-    let rests = || plan.sleeping && !model.moves_by_itself() && memory.still_substeps > long_enough(plan);
+    let rests = || plan.sleeping && !model.moves_by_itself() && memory.still_substeps > min_still_substeps(plan);
     !memory.gone && !rests()
 }
 
-/// Puts every body to sleep that has been at rest for long enough, after a substep; but not one that is `held`, nor one that
-/// is `touching` a body that is not ready: bodies that touch fall asleep together.
-pub(in crate::physics) fn watch<R: Real>(
+/// Puts every body to sleep that has been at rest for long enough, after a substep; but not one that is `grabbed`, nor one
+/// that is `touching` a body that is not ready: bodies that touch fall asleep together.
+pub(in crate::physics) fn put_to_sleep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
-    held: Option<usize>,
+    grabbed: Option<usize>,
     touching: &(impl Iterator<Item = [usize; 2]> + Clone),
     state: &mut State<R>,
 ) {
-    let (long_enough, between_looks) = (long_enough(plan), looks::substeps_in(plan, LOOK_SECS, libm::ceil));
+    let (min_still_substeps, substeps_between_checks) =
+        (min_still_substeps(plan), checks::substeps_in(plan, CHECK_INTERVAL_SECS, libm::ceil));
     for (number, body) in model.bodies.iter().enumerate() {
         if state.bodies[number].asleep {
             continue;
         }
         let own = body.particles.clone();
-        if held == Some(number) || !is_still(body, &state.velocity[own.clone()]) {
+        if grabbed == Some(number) || !is_still(body, &state.velocity[own.clone()]) {
             state.bodies[number].still_substeps = 0;
             continue;
         }
         let still_for = state.bodies[number].still_substeps;
-        let done = still_for >= long_enough;
-        if still_for > 0 && !done && !still_for.is_multiple_of(between_looks) {
+        let done = still_for >= min_still_substeps;
+        if still_for > 0 && !done && !still_for.is_multiple_of(substeps_between_checks) {
             state.bodies[number].still_substeps += 1;
             continue;
         }
-        let way = farthest::<R>(&state.position[own.clone()], &state.anchor[own.clone()]);
-        if still_for == 0 || way > longest_way(model, body, done) {
+        let displacement = max_displacement::<R>(&state.position[own.clone()], &state.anchor[own.clone()]);
+        if still_for == 0 || displacement > max_rest_displacement(model, body, done) {
             state.anchor[own.clone()].copy_from_slice(&state.position[own]);
             state.bodies[number].still_substeps = 1;
         } else if done {
             // Ready: it is put to sleep below, unless it waits for another.
-            state.bodies[number].still_substeps = long_enough + 1;
+            state.bodies[number].still_substeps = min_still_substeps + 1;
         } else {
             state.bodies[number].still_substeps += 1;
         }
     }
-    wait_for_others(long_enough, touching, state);
+    wait_for_others(min_still_substeps, touching, state);
     for (body, memory) in model.bodies.iter().zip(&mut state.bodies) {
-        if !memory.asleep && memory.still_substeps > long_enough {
-            (memory.asleep, memory.still_substeps) = (true, long_enough);
+        if !memory.asleep && memory.still_substeps > min_still_substeps {
+            (memory.asleep, memory.still_substeps) = (true, min_still_substeps);
             state.velocity[body.particles.clone()].fill(R::Vec3::ZERO);
         }
     }
@@ -134,26 +135,31 @@ pub(in crate::physics) fn wake_near_moving<R: Real>(
 }
 
 /// Whether a body keeps those that touch it awake. A modal body that could rest does not: it waits for them itself.
-fn is_up(memory: &BodyMemory, long_enough: u64) -> bool {
+fn keeps_others_awake(memory: &BodyMemory, min_still_substeps: u64) -> bool {
     let still_for = memory.still_substeps;
-    if memory.is_modal { !memory.gone && still_for < long_enough } else { !memory.asleep && still_for <= long_enough }
+    if memory.is_modal {
+        !memory.gone && still_for < min_still_substeps
+    } else {
+        !memory.asleep && still_for <= min_still_substeps
+    }
 }
 
 /// Whether a modal body may not rest yet as a body that is `touching` it is not ready.
-pub(in crate::physics) fn waits(
+pub(in crate::physics) fn must_wait_for_others(
     body: usize,
     mut touching: impl Iterator<Item = [usize; 2]>,
     bodies: &[BodyMemory],
-    long_enough: u64,
+    min_still_substeps: u64,
 ) -> bool {
     touching.any(|pair| {
-        pair.contains(&body) && pair.iter().any(|other| *other != body && is_up(&bodies[*other], long_enough))
+        pair.contains(&body)
+            && pair.iter().any(|other| *other != body && keeps_others_awake(&bodies[*other], min_still_substeps))
     })
 }
 
 /// Keeps bodies awake that are ready to sleep but touch one that is not, and so on along all that touch.
 fn wait_for_others<R: Real>(
-    long_enough: u64,
+    min_still_substeps: u64,
     touching: &(impl Iterator<Item = [usize; 2]> + Clone),
     state: &mut State<R>,
 ) {
@@ -161,10 +167,10 @@ fn wait_for_others<R: Real>(
         let mut has_changed = false;
         for [one, other] in touching.clone() {
             for [body, other] in [[one, other], [other, one]] {
-                let is_up = is_up(&state.bodies[other], long_enough);
+                let is_kept_awake = keeps_others_awake(&state.bodies[other], min_still_substeps);
                 let memory = &mut state.bodies[body];
-                if is_up && !memory.asleep && memory.still_substeps > long_enough {
-                    (memory.still_substeps, has_changed) = (long_enough, true);
+                if is_kept_awake && !memory.asleep && memory.still_substeps > min_still_substeps {
+                    (memory.still_substeps, has_changed) = (min_still_substeps, true);
                 }
             }
         }
@@ -175,13 +181,13 @@ fn wait_for_others<R: Real>(
 }
 
 fn is_still<R: Real>(body: &BodyModel<R>, velocity: &[R::Vec3]) -> bool {
-    let fastest = R::from_f64(FASTEST) * body.size;
+    let fastest = R::from_f64(MAX_STILL_SPEED) * body.size;
     // In a body that moves, the first particles usually decide.
     velocity.iter().all(|v| v.dot(*v) <= fastest * fastest)
 }
 
-fn farthest<R: Real>(position: &[R::Vec3], anchor: &[R::Vec3]) -> f64 {
-    position.iter().zip(anchor).fold(R::ZERO, |way, (now, then)| way.max((*now - *then).length())).to_f64()
+fn max_displacement<R: Real>(position: &[R::Vec3], anchor: &[R::Vec3]) -> f64 {
+    position.iter().zip(anchor).fold(R::ZERO, |most, (now, anchor)| most.max((*now - *anchor).length())).to_f64()
 }
 
 /// The relaxation time of damped links, s; the longest where links differ by cell.
@@ -194,8 +200,8 @@ fn relaxation_secs<R: Real>(body: &BodyModel<R>) -> f64 {
 }
 
 /// How far a particle of a body at rest may be from its anchor, m; `at_last` also less than gravity would have moved it.
-fn longest_way<R: Real>(model: &Model<R>, body: &BodyModel<R>, at_last: bool) -> f64 {
-    let way = FARTHEST * body.size.to_f64() / (relaxation_secs(body) / STILL_SECS).max(1.0);
-    let fallen = FALLEN_SHARE * 0.5 * model.gravity.length().to_f64() * STILL_SECS * STILL_SECS;
-    if at_last && fallen > 0.0 { way.min(fallen) } else { way }
+fn max_rest_displacement<R: Real>(model: &Model<R>, body: &BodyModel<R>, at_last: bool) -> f64 {
+    let displacement = MAX_REST_DISPLACEMENT * body.size.to_f64() / (relaxation_secs(body) / STILL_SECS).max(1.0);
+    let fallen = FREE_FALL_SHARE * 0.5 * model.gravity.length().to_f64() * STILL_SECS * STILL_SECS;
+    if at_last && fallen > 0.0 { displacement.min(fallen) } else { displacement }
 }

@@ -41,11 +41,11 @@ use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{ContactRule, Scheme};
 use crate::physics::modes::{self, ModalWorkspace};
 use crate::physics::observe::runaway::runs_away;
-use crate::physics::schemes::implicit::balance::{End, body_gains_energy, gains_energy};
+use crate::physics::schemes::implicit::balance::{SubstepEnd, body_gains_energy, gains_energy};
 use crate::physics::schemes::{self, SchemeWorkspace, Stepper};
 use crate::physics::state::fallen;
 use crate::physics::state::sleep;
-use crate::physics::step::substep::{Gain, Part, Substep};
+use crate::physics::step::substep::{OnEnergyGain, Part, Substep};
 use crate::physics::stepping::strain;
 use crate::physics::team;
 
@@ -66,7 +66,7 @@ pub(super) struct StepWorkspace<R: Real> {
     /// Workspace of modal bodies.
     pub modal: ModalWorkspace,
     /// A copy of every body's memory before the substep, which may be given up.
-    remembered: Vec<BodyMemory>,
+    memory_backup: Vec<BodyMemory>,
 }
 
 impl<R: Real> StepWorkspace<R> {
@@ -81,7 +81,7 @@ impl<R: Real> StepWorkspace<R> {
             scheme: schemes::SchemeWorkspace::new(model, plan),
             forces: forces::ForceWorkspace::new(model, plan),
             modal: ModalWorkspace::new(model, plan),
-            remembered: remembered(model),
+            memory_backup: memory_backup_room(model),
         }
     }
 
@@ -109,7 +109,7 @@ impl<R: Real> StepWorkspace<R> {
         substep: Substep<'a, R>,
     ) -> (Stepper<'a, R>, &'a mut contact::ContactWorkspace<R>, &'a mut [R::Vec3]) {
         let Self { force, thesis_force, velocity, contact, scheme, forces, .. } = self;
-        let stepper = Stepper { substep, force, held_force: thesis_force.as_deref(), workspace: scheme, forces };
+        let stepper = Stepper { substep, force, thesis_force: thesis_force.as_deref(), workspace: scheme, forces };
         (stepper, contact, velocity)
     }
 }
@@ -125,13 +125,13 @@ fn thesis_room<R: Real>(model: &Model<R>, plan: &Plan) -> Option<Vec<R::Vec3>> {
 }
 
 /// Room for a copy of the bodies' memory.
-fn remembered<R: Real>(model: &Model<R>) -> Vec<BodyMemory> {
+fn memory_backup_room<R: Real>(model: &Model<R>) -> Vec<BodyMemory> {
     let room = |cells: usize| BodyMemory { near_inversion: Vec::with_capacity(cells), ..BodyMemory::default() };
     model.bodies.iter().map(|body| room(body.lattice.cells.len())).collect()
 }
 
 /// How often the velocities are halved in a body that would gain energy however short its substeps are.
-const SLOWINGS: u32 = 12;
+const MAX_VELOCITY_HALVINGS: u32 = 12;
 
 /// What acts on a substep from outside.
 #[derive(Clone, Copy, Debug)]
@@ -168,7 +168,7 @@ fn take_part<R: Real>(
     workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) -> Ending {
-    if sleep::is_quiet(state) && !part.bodies_are_near {
+    if sleep::are_all_asleep(state) && !part.bodies_are_near {
         workspace.contact.bodies.keep_sleeping_contacts(model, plan, state);
         if plan.between_bodies.is_some() {
             std::mem::swap(&mut state.presses, &mut workspace.contact.bodies.presses);
@@ -178,42 +178,42 @@ fn take_part<R: Real>(
         recorder.took(part.secs, state.bodies.len());
         return Ending::Taken;
     }
-    let remembered = &mut workspace.remembered;
-    remembered.iter_mut().zip(&state.bodies).for_each(|(copy, memory)| copy.copy(memory));
-    if let Some(due) = recovery::due(model, plan, state).filter(|_| plan.recovery) {
+    let memory_backup = &mut workspace.memory_backup;
+    memory_backup.iter_mut().zip(&state.bodies).for_each(|(copy, memory)| copy.copy_from(memory));
+    if let Some(due) = recovery::due_bodies(model, plan, state).filter(|_| plan.recovery) {
         recorder.enter(Stage::Recovery);
-        recovery::look(model, plan, state, due, part.secs, recorder);
+        recovery::check_cells(model, plan, state, due, part.secs, recorder);
     }
     let dt = R::from_f64(part.secs);
     let Part { scheme, is_strained, bodies_are_near, .. } = part;
-    let begun = Substep { model, plan, state, obstacles, dt, scheme, is_strained, bodies_are_near, grab, modal_grab };
-    let prediction = find_forces(begun, workspace, recorder);
-    let is_found = find_velocities(begun, part.gain, prediction, workspace, recorder);
-    let is_sound = is_found && is_sound(begun, prediction, workspace);
+    let substep = Substep { model, plan, state, obstacles, dt, scheme, is_strained, bodies_are_near, grab, modal_grab };
+    let prediction = find_forces(substep, workspace, recorder);
+    let is_found = find_velocities(substep, part.on_energy_gain, prediction, workspace, recorder);
+    let is_sound = is_found && is_sound(substep, prediction, workspace);
     if recorder.has_stopped() || !is_found {
-        state.bodies.iter_mut().zip(&workspace.remembered).for_each(|(memory, copy)| memory.copy(copy));
+        state.bodies.iter_mut().zip(&workspace.memory_backup).for_each(|(memory, copy)| memory.copy_from(copy));
         return if recorder.has_stopped() { Ending::Stopped } else { Ending::Refused };
     }
     if !is_sound {
-        recorder.took(part.secs, sleep::asleep(state));
+        recorder.took(part.secs, sleep::asleep_count(state));
         return Ending::Diverged;
     }
-    if meets_implicitly(plan) {
+    if has_implicit_contact(plan) {
         let moving = workspace.scheme.moving(&workspace.velocity);
         contact::remember_sides(model, obstacles, dt, state, moving, &mut workspace.contact, recorder);
     }
     if plan.recovery && state.bodies.iter().any(BodyMemory::is_watched) {
         recorder.enter(Stage::Recovery);
         let StepWorkspace { velocity, scheme, forces, .. } = workspace;
-        recovery::settle((model, plan), (part.scheme, dt), scheme.moving(velocity), state, &mut forces.recovery);
+        recovery::track_energy((model, plan), (part.scheme, dt), scheme.moving(velocity), state, &mut forces.recovery);
     }
     accept(model, plan, part, state, workspace);
     if plan.sleeping && part.is_last {
         recorder.enter(Stage::Rest);
-        fallen::watch(model, state);
-        sleep::watch(model, plan, grab.map(|grab| grab.body), &workspace.contact.bodies.pushing_pairs(), state);
+        fallen::put_to_sleep(model, state);
+        sleep::put_to_sleep(model, plan, grab.map(|grab| grab.body), &workspace.contact.bodies.pushing_pairs(), state);
     }
-    recorder.took(part.secs, sleep::asleep(state));
+    recorder.took(part.secs, sleep::asleep_count(state));
     Ending::Taken
 }
 
@@ -232,78 +232,78 @@ enum Prediction {
 /// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule. Where link forces come last,
 /// their pass also predicts the velocities.
 fn find_forces<R: Real>(
-    begun: Substep<'_, R>,
+    substep: Substep<'_, R>,
     workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) -> Prediction {
-    let Substep { plan, state, scheme: by, .. } = begun;
+    let Substep { plan, state, scheme: by, .. } = substep;
     let StepWorkspace { force, thesis_force, velocity, contact, scheme, forces: of_forces, .. } = workspace;
     let is_predicted = by != Scheme::Implicit
         && !schemes::moves_by_mean(by)
         && thesis_force.is_none()
         && forces::links_come_last(plan, &state.bodies);
-    let kick = is_predicted.then(|| Kick { secs: schemes::kicked_for(begun), velocity });
+    let kick = is_predicted.then(|| Kick { secs: schemes::kick_secs(substep), velocity });
     let at = Configuration {
         position: &state.position,
-        velocity: schemes::damping_velocity(begun.scheme, state, scheme),
-        residual: (begun.scheme == Scheme::Implicit).then_some(&state.position_residual),
+        velocity: schemes::damping_velocity(substep.scheme, state, scheme),
+        residual: (substep.scheme == Scheme::Implicit).then_some(&state.position_residual),
     };
-    forces::evaluate(begun, at, force, kick, of_forces, recorder);
+    forces::evaluate(substep, at, force, kick, of_forces, recorder);
     if let Some(thesis_force) = thesis_force {
         recorder.enter(Stage::Contact);
-        contact::thesis::add_forces(begun, force, thesis_force, contact, recorder);
+        contact::thesis::add_forces(substep, force, thesis_force, contact, recorder);
     }
     if is_predicted { Prediction::Made { is_finite: of_forces.is_finite() } } else { Prediction::Missing }
 }
 
 /// Finds the velocities at the end, contact and hand included. Returns whether they may be used: the implicit scheme refuses
-/// them where its equations would give energy from nowhere, if `gain` says so, the stabilised scheme where contact tears
-/// apart a body that is not strained.
+/// them where its equations would give energy from nowhere, if `on_energy_gain` says so, the stabilised scheme where
+/// contact tears apart a body that is not strained.
 fn find_velocities<R: Real>(
-    begun: Substep<'_, R>,
-    gain: Gain,
+    substep: Substep<'_, R>,
+    on_energy_gain: OnEnergyGain,
     prediction: Prediction,
     workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) -> bool {
     recorder.enter(Stage::Integrate);
-    if begun.scheme != Scheme::Implicit {
-        return predicted_velocities(begun, prediction, workspace, recorder);
+    if substep.scheme != Scheme::Implicit {
+        return predicted_velocities(substep, prediction, workspace, recorder);
     }
-    solved_velocities(begun, workspace, recorder);
-    if gain == Gain::Take || recorder.has_stopped() {
+    solved_velocities(substep, workspace, recorder);
+    if on_energy_gain == OnEnergyGain::Take || recorder.has_stopped() {
         return true;
     }
     let StepWorkspace { velocity, force, contact, forces: of_forces, .. } = workspace;
-    let end = End { velocity, force, contacts: &contact.contacts };
+    let end = SubstepEnd { velocity, force, contacts: &contact.contacts };
     let stops = || recorder.stops();
-    if stays_finite(begun, velocity) && !gains_energy(begun, end, &mut of_forces.exact, &stops) {
+    if stays_finite(substep, velocity) && !gains_energy(substep, end, &mut of_forces.exact, &stops) {
         return true;
     }
-    if gain == Gain::Slow {
-        slow(begun, velocity, force, &contact.contacts, &mut of_forces.exact, &stops);
+    if on_energy_gain == OnEnergyGain::Slow {
+        slow(substep, velocity, force, &contact.contacts, &mut of_forces.exact, &stops);
     }
-    gain == Gain::Slow
+    on_energy_gain == OnEnergyGain::Slow
 }
 
 /// Whether the velocities that were found lead to finite places and, in manual stepping, tear no body apart. Contact
 /// may still change the paths of schemes that move particles by a mean velocity.
-fn is_sound<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &StepWorkspace<R>) -> bool {
+fn is_sound<R: Real>(substep: Substep<'_, R>, prediction: Prediction, workspace: &StepWorkspace<R>) -> bool {
     let StepWorkspace { velocity, scheme, contact, .. } = workspace;
     let moving = scheme.moving(velocity);
-    if begun.plan.watched && runs_away(begun.model, begun.plan.simd, begun.dt, moving) {
+    if substep.plan.watched && runs_away(substep.model, substep.plan.simd, substep.dt, moving) {
         return false;
     }
-    if prediction == (Prediction::Made { is_finite: true }) && begun.grab.is_none() {
+    if prediction == (Prediction::Made { is_finite: true }) && substep.grab.is_none() {
         // Since then contact alone has changed velocities.
         let between_bodies = contact.bodies.contacts.iter();
         let between_bodies = between_bodies.flat_map(|met| met.cell.iter().chain(met.own.iter()));
         let between_bodies = between_bodies.map(|(particle, _)| particle);
         let on_mesh = contact.samples.contacts.iter().flat_map(|met| met.carriers);
         let mut met = contact.contacts.iter().map(|contact| contact.particle).chain(between_bodies).chain(on_mesh);
-        return met.all(|p| (begun.state.position[p] + velocity[p] * begun.dt).is_finite());
+        return met.all(|p| (substep.state.position[p] + velocity[p] * substep.dt).is_finite());
     }
-    stays_finite(begun, moving) && (scheme.path.is_none() || stays_finite(begun, velocity))
+    stays_finite(substep, moving) && (scheme.mean_velocity.is_none() || stays_finite(substep, velocity))
 }
 
 /// Moves everything, and remembers what the next substep of the scheme needs of this one.
@@ -312,7 +312,7 @@ fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<
     let StepWorkspace { force, thesis_force, velocity, scheme, .. } = &mut *workspace;
     schemes::remember(model, plan, dt, force, thesis_force.as_deref(), state);
     move_particles(model, plan, dt, state, scheme.moving(velocity));
-    if sleep::asleep(state) == 0 {
+    if sleep::asleep_count(state) == 0 {
         std::mem::swap(&mut state.velocity, velocity);
     } else {
         for body in sleep::awake(model, &state.bodies) {
@@ -331,25 +331,25 @@ fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<
 
 /// Halves the velocities of each body until it gains no energy from nowhere; a body that does even then stands still.
 fn slow<R: Real>(
-    begun: Substep<'_, R>,
+    substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
     force: &[R::Vec3],
     contacts: &[ContactRecord<R>],
     exact: &mut ExactLinks,
     stops: &dyn Fn() -> bool,
 ) {
-    let Substep { model, state, dt, .. } = begun;
+    let Substep { model, state, dt, .. } = substep;
     for (number, body) in model.bodies.iter().enumerate() {
         let own = body.particles.clone();
-        for slowing in (0..SLOWINGS).rev() {
+        for halvings_left in (0..MAX_VELOCITY_HALVINGS).rev() {
             let is_finite =
                 own.clone().all(|p| velocity[p].is_finite() && (state.position[p] + velocity[p] * dt).is_finite());
-            let end = End { velocity, force, contacts };
-            if is_finite && !body_gains_energy(begun, number, end, exact, stops) {
+            let end = SubstepEnd { velocity, force, contacts };
+            if is_finite && !body_gains_energy(substep, number, end, exact, stops) {
                 break;
             }
             for velocity in &mut velocity[own.clone()] {
-                *velocity = if slowing == 0 || !is_finite { R::Vec3::ZERO } else { *velocity * R::from_f64(0.5) };
+                *velocity = if halvings_left == 0 || !is_finite { R::Vec3::ZERO } else { *velocity * R::from_f64(0.5) };
             }
         }
     }
@@ -359,125 +359,125 @@ fn slow<R: Real>(
 /// particles by these. Returns false where the stabilised scheme would take a long substep for a body at rest although its
 /// links become many times as long in it.
 fn predicted_velocities<R: Real>(
-    begun: Substep<'_, R>,
+    substep: Substep<'_, R>,
     prediction: Prediction,
     workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) -> bool {
-    predict(begun, prediction, workspace);
-    meet_bodies(begun, workspace, recorder);
-    meet_obstacles(begun, workspace, recorder);
-    if begun.scheme == Scheme::Stabilised && !hold(begun, workspace) {
+    predict(substep, prediction, workspace);
+    meet_bodies(substep, workspace, recorder);
+    meet_obstacles(substep, workspace, recorder);
+    if substep.scheme == Scheme::Stabilised && !pass_contacts_to_stages(substep, workspace) {
         return false;
     }
-    refine(begun, workspace, recorder);
-    if schemes::moves_by_mean(begun.scheme) && meets_implicitly(begun.plan) {
-        meet_on_paths(begun, workspace, recorder);
+    refine(substep, workspace, recorder);
+    if schemes::moves_by_mean(substep.scheme) && has_implicit_contact(substep.plan) {
+        correct_paths(substep, workspace, recorder);
     }
     true
 }
 
 /// Writes the velocities that forces and a hand predict.
-fn predict<R: Real>(begun: Substep<'_, R>, prediction: Prediction, workspace: &mut StepWorkspace<R>) {
-    let (mut stepper, _, velocity) = workspace.stepper(begun);
+fn predict<R: Real>(substep: Substep<'_, R>, prediction: Prediction, workspace: &mut StepWorkspace<R>) {
+    let (mut stepper, _, velocity) = workspace.stepper(substep);
     if prediction == Prediction::Missing {
         stepper.predict(velocity);
     }
-    if let Some(grab) = begun.grab {
-        pull::pull(begun, grab, velocity);
+    if let Some(grab) = substep.grab {
+        pull::apply_pull(substep, grab, velocity);
     }
 }
 
 /// Changes the predicted velocities by contact of bodies with each other and themselves.
-fn meet_bodies<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+fn meet_bodies<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let StepWorkspace { velocity, contact, modal, .. } = workspace;
-    if !begun.bodies_are_near {
-        contact::bodies::skip_contact(begun, &mut contact.bodies, recorder);
+    if !substep.bodies_are_near {
+        contact::bodies::skip_contact(substep, &mut contact.bodies, recorder);
         return;
     }
     recorder.begin_bodies();
-    let Substep { model, plan, state, obstacles, modal_grab: grab, .. } = begun;
-    let inputs = modes::Inputs { model, plan, obstacles, grab, secs: begun.dt.to_f64() };
+    let Substep { model, plan, state, obstacles, modal_grab: grab, .. } = substep;
+    let inputs = modes::Inputs { model, plan, obstacles, grab, secs: substep.dt.to_f64() };
     let mut modal = modes::Among::begin(inputs, state, modal, recorder);
-    contact::bodies::meet(begun, velocity, &mut modal, &mut contact.bodies, recorder);
+    contact::bodies::meet(substep, velocity, &mut modal, &mut contact.bodies, recorder);
     recorder.end_bodies();
     recorder.enter(Stage::Integrate);
 }
 
 /// Changes the predicted velocities by contact with obstacles.
-fn meet_obstacles<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+fn meet_obstacles<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let StepWorkspace { velocity, contact, .. } = workspace;
-    if meets_implicitly(begun.plan) {
-        if begun.plan.on_mesh.is_some() {
-            contact::samples::meet(begun, velocity, &mut contact.samples, recorder);
+    if has_implicit_contact(substep.plan) {
+        if substep.plan.on_mesh.is_some() {
+            contact::samples::meet(substep, velocity, &mut contact.samples, recorder);
         }
-        contact::respond(begun, velocity, contact, recorder);
+        contact::respond(substep, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
     }
-    if begun.bodies_are_near {
-        contact::bodies::count_parting_work(begun, velocity, &contact.bodies, recorder);
+    if substep.bodies_are_near {
+        contact::bodies::count_parting_work(substep, velocity, &contact.bodies, recorder);
     }
 }
 
 /// Hands the contacts found over to the stages of the stabilised scheme. Returns false where a body that is not strained
 /// would be torn apart.
-fn hold<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>) -> bool {
-    let Substep { model, plan, state, dt, is_strained, .. } = begun;
-    let (stepper, contact, velocity) = workspace.stepper(begun);
+fn pass_contacts_to_stages<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>) -> bool {
+    let Substep { model, plan, state, dt, is_strained, .. } = substep;
+    let (stepper, contact, velocity) = workspace.stepper(substep);
     let motion = StraightMotion { position: &state.position, velocity, secs: dt };
-    if plan.parts > 1 && !is_strained && strain::tear(model, plan, &state.bodies, motion, stepper.forces) {
+    if plan.parts > 1 && !is_strained && strain::would_tear_bodies(model, plan, &state.bodies, motion, stepper.forces) {
         return false;
     }
-    contact.list_held_particles(begun, stepper.force, velocity, &mut stepper.workspace.stages.held);
+    contact.list_held_particles(substep, stepper.force, velocity, &mut stepper.workspace.stages.held);
     true
 }
 
 /// Finds the velocities at the end and the mean velocities, with more forces on the way where the scheme has stages.
-fn refine<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let (mut stepper, contact, velocity) = workspace.stepper(begun);
+fn refine<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let (mut stepper, contact, velocity) = workspace.stepper(substep);
     stepper.refine(velocity, &contact.bodies.changed_velocities, recorder);
-    if !schemes::moves_by_mean(begun.scheme) {
+    if !schemes::moves_by_mean(substep.scheme) {
         // The part is taken by another scheme than the plan's.
-        if let Some(path) = &mut workspace.scheme.path {
-            path.copy_from_slice(&workspace.velocity);
+        if let Some(mean_velocity) = &mut workspace.scheme.mean_velocity {
+            mean_velocity.copy_from_slice(&workspace.velocity);
         }
     }
 }
 
 /// Changes mean velocities that lead into obstacles.
-fn meet_on_paths<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let Some(path) = &mut workspace.scheme.path else { return };
-    if begun.scheme == Scheme::Stabilised {
+fn correct_paths<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let Some(mean_velocity) = &mut workspace.scheme.mean_velocity else { return };
+    if substep.scheme == Scheme::Stabilised {
         let held = &mut workspace.scheme.stages.held;
-        contact::limit_depths(begun, held, path, &mut workspace.velocity);
+        contact::limit_depths(substep, held, mean_velocity, &mut workspace.velocity);
     }
-    contact::respond_to_paths(begun, &mut workspace.velocity, path, &mut workspace.contact, recorder);
-    if begun.scheme == Scheme::Stabilised {
+    contact::respond_to_paths(substep, &mut workspace.velocity, mean_velocity, &mut workspace.contact, recorder);
+    if substep.scheme == Scheme::Stabilised {
         let SchemeWorkspace { stages, velocity: left, .. } = &workspace.scheme;
-        workspace.contact.record_forces(begun, &stages.held, [left, &workspace.velocity]);
+        workspace.contact.record_forces(substep, &stages.held, [left, &workspace.velocity]);
     }
     recorder.enter(Stage::Integrate);
 }
 
 /// Writes the velocities at the end of a substep as the implicit scheme solves for them.
-fn solved_velocities<R: Real>(begun: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let (mut stepper, contact, velocity) = workspace.stepper(begun);
-    contact::bodies::skip_contact(begun, &mut contact.bodies, recorder);
-    contact.samples.keep_sleeping_contacts(begun.state);
-    if meets_implicitly(begun.plan) {
+fn solved_velocities<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let (mut stepper, contact, velocity) = workspace.stepper(substep);
+    contact::bodies::skip_contact(substep, &mut contact.bodies, recorder);
+    contact.samples.keep_sleeping_contacts(substep.state);
+    if has_implicit_contact(substep.plan) {
         stepper.fall(velocity);
-        contact::find_constraints(begun, velocity, contact, recorder);
+        contact::find_constraints(substep, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
     }
     stepper.solve(&mut contact.constraints, velocity, recorder);
-    if meets_implicitly(begun.plan) && !recorder.has_stopped() {
-        contact::finish_constraints(begun, velocity, contact, recorder);
+    if has_implicit_contact(substep.plan) && !recorder.has_stopped() {
+        contact::finish_constraints(substep, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
     }
 }
 
 /// Whether there is contact, by any rule but that of the thesis.
-fn meets_implicitly(plan: &Plan) -> bool {
+fn has_implicit_contact(plan: &Plan) -> bool {
     plan.contact && plan.contact_rule == ContactRule::Implicit
 }
 
@@ -490,13 +490,13 @@ fn stays_finite<R: Real>(Substep { model, plan, state, dt, .. }: Substep<'_, R>,
 }
 
 /// `x += dt u` for the bodies that are awake.
-fn move_particles<R: Real>(model: &Model<R>, plan: &Plan, dt: R, state: &mut State<R>, path: &[R::Vec3]) {
+fn move_particles<R: Real>(model: &Model<R>, plan: &Plan, dt: R, state: &mut State<R>, moving_velocity: &[R::Vec3]) {
     for body in sleep::awake(model, &state.bodies) {
         let own = body.particles.clone();
         let to = [&mut state.position[own.clone()], &mut state.position_residual[own.clone()]];
-        let path = &path[own];
+        let moving_velocity = &moving_velocity[own];
         team::by_part(plan.threads, to, |part, [position, residual]| {
-            kernels::advance(plan.simd, dt, &path[part], position, residual);
+            kernels::advance(plan.simd, dt, &moving_velocity[part], position, residual);
         });
     }
 }

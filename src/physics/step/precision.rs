@@ -58,18 +58,19 @@ impl<'a, 'r, R: Real> Call<'a, 'r, R> {
     fn cast<P: Real>(self) -> Call<'a, 'r, P> {
         let Self { model, plan, part, inputs: Inputs { obstacles, grab, modal_grab }, state, workspace, recorder } =
             self;
-        let inputs = Inputs { obstacles: same(obstacles), grab: grab.map(same), modal_grab: modal_grab.map(same) };
-        let (model, state, workspace) = (same(model), same_mut(state), same_mut(workspace));
+        let inputs =
+            Inputs { obstacles: downcast(obstacles), grab: grab.map(downcast), modal_grab: modal_grab.map(downcast) };
+        let (model, state, workspace) = (downcast(model), downcast_mut(state), downcast_mut(workspace));
         Call { model, plan, part, inputs, state, workspace, recorder }
     }
 }
 
 /// A value as what it is.
-fn same<T: Any, U: Any>(value: &T) -> &U {
+fn downcast<T: Any, U: Any>(value: &T) -> &U {
     (value as &dyn Any).downcast_ref().expect("`Real` is f32 or f64")
 }
 
 /// A value to be changed as what it is.
-fn same_mut<T: Any, U: Any>(value: &mut T) -> &mut U {
+fn downcast_mut<T: Any, U: Any>(value: &mut T) -> &mut U {
     (value as &mut dyn Any).downcast_mut().expect("`Real` is f32 or f64")
 }

@@ -9,10 +9,10 @@ use crate::physics::interaction::{Grab, resistance};
 use crate::physics::step::substep::Substep;
 
 /// Changes the predicted velocities of the particles that carry the point. Held particles stay.
-pub(in crate::physics) fn pull<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>, velocity: &mut [R::Vec3]) {
+pub(in crate::physics) fn apply_pull<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>, velocity: &mut [R::Vec3]) {
     let impulse = impulse(substep, grab, velocity);
     for &(particle, weight) in &grab.weights {
-        velocity[particle] += impulse * (weight * mobility(substep, grab, particle));
+        velocity[particle] += impulse * (weight * inverse_effective_mass(substep, grab, particle));
     }
 }
 
@@ -20,16 +20,18 @@ pub(in crate::physics) fn pull<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>,
 /// their weights.
 pub(in crate::physics) fn impulse<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>, velocity: &[R::Vec3]) -> R::Vec3 {
     let Substep { model, state, dt, .. } = substep;
-    let inverse_mass =
-        grab.weights.iter().fold(R::ZERO, |sum, &(particle, w)| sum + w * w * mobility(substep, grab, particle));
-    let speed = grab.point(velocity);
+    let inverse_mass = grab
+        .weights
+        .iter()
+        .fold(R::ZERO, |sum, &(particle, w)| sum + w * w * inverse_effective_mass(substep, grab, particle));
+    let point_velocity = grab.point(velocity);
     let resistance = dt * resistance([grab.stiffness, grab.damping(&model.bodies[grab.body])], dt);
-    let pulling = (grab.target - grab.point(&state.position)) * (dt * grab.stiffness) - speed * resistance;
+    let pulling = (grab.target - grab.point(&state.position)) * (dt * grab.stiffness) - point_velocity * resistance;
     pulling * (R::ONE / (R::ONE + resistance * inverse_mass))
 }
 
 /// The inverse of a particle's effective mass, 1/kg; zero where it is held.
-fn mobility<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>, particle: usize) -> R {
+fn inverse_effective_mass<R: Real>(substep: Substep<'_, R>, grab: &Grab<R>, particle: usize) -> R {
     let body = &substep.model.bodies[grab.body];
     let local = particle - body.particles.start;
     if body.is_pinned(local) { R::ZERO } else { R::ONE / substep.inertia(grab.body, local) }

@@ -77,14 +77,14 @@ pub(in crate::physics) struct Part {
     /// Whether bodies come near each other in it.
     pub(in crate::physics) bodies_are_near: bool,
     /// What to do where the implicit scheme would give energy from nowhere.
-    pub(in crate::physics) gain: Gain,
+    pub(in crate::physics) on_energy_gain: OnEnergyGain,
     /// Whether the substep ends with it.
     pub(in crate::physics) is_last: bool,
 }
 
 /// What to do with a part in which the implicit scheme would give a body energy from nowhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::physics) enum Gain {
+pub(in crate::physics) enum OnEnergyGain {
     /// It is refused, the state untouched.
     Refuse,
     /// It is taken with so much of the motion as gives none: there was enough work on the substep.

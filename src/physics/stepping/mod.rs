@@ -16,7 +16,7 @@
 //!
 //! The division under way is in the state, so that a state saved in the middle of a divided step goes on bit for bit.
 
-pub(in crate::physics) mod looks;
+pub(in crate::physics) mod checks;
 pub(in crate::physics) mod strain;
 
 use super::contact::{ContactWorkspace, Placed, arrive, bodies, samples, sweep};
@@ -27,11 +27,11 @@ use super::model::plan::{MOST_HALVINGS, Plan};
 use super::model::{Model, Scheme};
 use super::modes;
 use super::report::{Counters, Recorder, StageTimer, StepReport};
-use super::state::{SPENT, State, Strain, sleep};
-use super::step::substep::{Gain, Part};
+use super::state::{State, Strain, WORK_SPENT, sleep};
+use super::step::substep::{OnEnergyGain, Part};
 use super::step::{Ending, Inputs, StepWorkspace, substep};
 use crate::math::Real;
-use strain::WhileStrained;
+use strain::StrainPolicy;
 
 /// Advances by a substep, in the parts that it is divided into; with the implicit scheme by one part, for which its linear
 /// equations hold.
@@ -70,7 +70,7 @@ pub(super) fn advance<R: Real>(
         state.work = state.work.saturating_add(recorder.counters.implicit_work() - work_before);
         if ending == Ending::Refused {
             match part.scheme {
-                Scheme::Implicit => division.refuse(plan, state, &mut recorder.counters),
+                Scheme::Implicit => division.divide_refused(plan, state, &mut recorder.counters),
                 _ => division.divide_torn(model, plan, state, workspace),
             }
             continue;
@@ -104,8 +104,10 @@ fn advance_modal<R: Real>(
         return true;
     }
     let StepWorkspace { modal, contact, .. } = workspace;
-    let long_enough = sleep::long_enough(plan);
-    let waits = |state: &State<R>, body| sleep::waits(body, contact.bodies.pushing_pairs(), &state.bodies, long_enough);
+    let min_still_substeps = sleep::min_still_substeps(plan);
+    let waits = |state: &State<R>, body| {
+        sleep::must_wait_for_others(body, contact.bodies.pushing_pairs(), &state.bodies, min_still_substeps)
+    };
     let inputs = modes::Inputs { model, plan, obstacles, grab: modal_grab, secs: part.secs };
     let report = modes::advance(inputs, part.is_last, waits, state, modal, recorder);
     recorder.last.contacts += report.contacts;
@@ -114,13 +116,13 @@ fn advance_modal<R: Real>(
 }
 
 /// A whole substep in one part that is never refused, by a scheme that has a place for all contact in it.
-pub(in crate::physics) fn whole(plan: &Plan) -> Part {
+pub(in crate::physics) fn whole_substep(plan: &Plan) -> Part {
     Part {
         secs: plan.substep_secs(),
-        scheme: plan.on_mesh.or(plan.between_bodies).map_or(plan.scheme, |met| met.scheme),
+        scheme: plan.on_mesh.or(plan.between_bodies).map_or(plan.scheme, |contact_plan| contact_plan.scheme),
         is_strained: false,
         bodies_are_near: plan.between_bodies.is_some(),
-        gain: Gain::Take,
+        on_energy_gain: OnEnergyGain::Take,
         is_last: true,
     }
 }
@@ -134,7 +136,7 @@ pub(in crate::physics) fn first_part<R: Real>(
 ) -> Part {
     let obstacles = Placed::now(model, state);
     let Division { parts, secs, scheme, bodies_are_near, .. } = Division::of(model, plan, state, &obstacles, workspace);
-    Part { secs, scheme, is_strained: parts > 1, bodies_are_near, ..whole(plan) }
+    Part { secs, scheme, is_strained: parts > 1, bodies_are_near, ..whole_substep(plan) }
 }
 
 /// The division of a substep: into equal parts for strain and contact, or into the halves of the implicit scheme.
@@ -146,9 +148,9 @@ struct Division {
     /// The length of each part, s.
     secs: f64,
     /// The parts while a body is strained; strain is looked out for between parts where these are more.
-    while_strained: WhileStrained,
-    /// How long ago links were looked at, s.
-    unseen_secs: f64,
+    strain_policy: StrainPolicy,
+    /// How long ago links were checked, s.
+    secs_since_check: f64,
     /// The scheme that takes the parts.
     scheme: Scheme,
     /// Whether bodies come near each other.
@@ -171,29 +173,30 @@ impl Division {
         workspace: &mut StepWorkspace<R>,
     ) -> Self {
         let StepWorkspace { contact: ContactWorkspace { bodies: of_bodies, .. }, forces, .. } = workspace;
-        let looks_out = plan.parts > 0 || plan.between_bodies.is_some() || plan.on_mesh.is_some();
+        let needs_speeds = plan.parts > 0 || plan.between_bodies.is_some() || plan.on_mesh.is_some();
         of_bodies.relative_speeds.clear();
-        let bodies = model.bodies.iter().filter(|_| looks_out);
-        of_bodies.relative_speeds.extend(bodies.map(|body| looks::spread(body, plan, state)));
+        let bodies = model.bodies.iter().filter(|_| needs_speeds);
+        of_bodies.relative_speeds.extend(bodies.map(|body| checks::max_relative_speed(body, plan, state)));
         let secs = plan.substep_secs();
-        let near = bodies::parts(model, plan, secs, state, of_bodies);
-        let bodies_are_near = near.is_some();
+        let contact_parts = bodies::parts(model, plan, secs, state, of_bodies);
+        let bodies_are_near = contact_parts.is_some();
         let on_mesh = plan.on_mesh.filter(|_| samples::comes_near(model, plan, obstacles, state, secs));
-        let near = near.max(on_mesh.map(|on_mesh| on_mesh.parts));
+        let contact_parts = contact_parts.max(on_mesh.map(|on_mesh| on_mesh.parts));
         // The scheme for contact of meshes with obstacles has a place for contact between bodies, too.
-        let met = on_mesh.or(plan.between_bodies.filter(|_| near.is_some()));
-        let scheme = met.map_or(plan.scheme, |met| met.scheme);
-        let strained_parts =
-            met.filter(|_| plan.is_divided()).map_or([1, plan.parts], |met| [met.parts, met.strained_parts]);
-        let while_strained = WhileStrained::by(scheme, strained_parts, plan);
-        let parts = strain::parts_now(model, plan, while_strained, &of_bodies.relative_speeds, state, forces);
-        let parts = parts.max(near.unwrap_or(1));
+        let contact_plan = on_mesh.or(plan.between_bodies.filter(|_| contact_parts.is_some()));
+        let scheme = contact_plan.map_or(plan.scheme, |contact_plan| contact_plan.scheme);
+        let strained_parts = contact_plan
+            .filter(|_| plan.is_divided())
+            .map_or([1, plan.parts], |contact_plan| [contact_plan.parts, contact_plan.strained_parts]);
+        let strain_policy = StrainPolicy::new(scheme, strained_parts, plan);
+        let parts = strain::parts_before_substep(model, plan, strain_policy, &of_bodies.relative_speeds, state, forces);
+        let parts = parts.max(contact_parts.unwrap_or(1));
         Self {
             parts,
             left: parts,
             secs: secs / f64::from(parts),
-            while_strained,
-            unseen_secs: 0.0,
+            strain_policy,
+            secs_since_check: 0.0,
             scheme,
             bodies_are_near,
             on_mesh: on_mesh.is_some(),
@@ -208,28 +211,28 @@ impl Division {
             return None;
         }
         if state.work >= plan.most_work {
-            counters.slowed += u64::from(state.work != SPENT);
-            state.work = SPENT;
+            counters.slowed += u64::from(state.work != WORK_SPENT);
+            state.work = WORK_SPENT;
             state.coarsen();
             // The part may be too long for the explicit scheme again.
             self.is_explicit = false;
         }
         let length = state.next_length();
-        let whole = 1_u64 << MOST_HALVINGS;
+        let substep_length = 1_u64 << MOST_HALVINGS;
         let is_checked = plan.halvings > 0 && !self.is_explicit && self.scheme == Scheme::Implicit;
         let can_be_refused = state.halvings < plan.halvings || plan.ends_explicitly;
-        let gain = match () {
-            () if is_checked && state.work == SPENT => Gain::Slow,
-            () if is_checked && can_be_refused => Gain::Refuse,
-            () => Gain::Take,
+        let on_energy_gain = match () {
+            () if is_checked && state.work == WORK_SPENT => OnEnergyGain::Slow,
+            () if is_checked && can_be_refused => OnEnergyGain::Refuse,
+            () => OnEnergyGain::Take,
         };
         Some(Part {
-            secs: self.secs * (length as f64 / whole as f64),
+            secs: self.secs * (length as f64 / substep_length as f64),
             scheme: if self.is_explicit { Scheme::SemiImplicit } else { self.scheme },
             is_strained: self.parts > 1,
             bodies_are_near: self.bodies_are_near,
-            gain,
-            is_last: self.left == 1 && state.part + length == whole,
+            on_energy_gain,
+            is_last: self.left == 1 && state.part + length == substep_length,
         })
     }
 
@@ -247,12 +250,20 @@ impl Division {
         state: &mut State<R>,
         forces: &mut ForceWorkspace<R>,
     ) {
-        if !(self.bodies_are_near || self.on_mesh) || self.left == 0 || self.parts >= self.while_strained.parts {
+        if !(self.bodies_are_near || self.on_mesh) || self.left == 0 || self.parts >= self.strain_policy.strained_parts
+        {
             return;
         }
-        self.unseen_secs += self.secs;
-        let now =
-            strain::parts_by_now(model, plan, state, self.while_strained, &mut self.unseen_secs, self.secs, forces);
+        self.secs_since_check += self.secs;
+        let now = strain::parts_within_substep(
+            model,
+            plan,
+            state,
+            self.strain_policy,
+            &mut self.secs_since_check,
+            self.secs,
+            forces,
+        );
         if let Some(strained_parts) = now.filter(|&now| now > self.parts) {
             let left = (u64::from(self.left) * u64::from(strained_parts)).div_ceil(u64::from(self.parts));
             let left = u32::try_from(left).unwrap_or(u32::MAX);
@@ -272,8 +283,9 @@ impl Division {
     ) {
         let StepWorkspace { velocity, forces, .. } = workspace;
         let motion = StraightMotion { position: &state.position, velocity, secs: R::from_f64(self.secs) };
-        let by_way = strain::look(model, plan, strain::Whose::All, motion, &mut state.bodies, forces);
-        let parts = self.while_strained.parts.max(by_way);
+        let parts_by_displacement =
+            strain::check_strain(model, plan, strain::CheckedBodies::All, motion, &mut state.bodies, forces);
+        let parts = self.strain_policy.strained_parts.max(parts_by_displacement);
         (self.parts, self.left, self.secs) = (parts, parts, self.secs / f64::from(parts));
         self.tears = true;
     }
@@ -286,7 +298,7 @@ impl Division {
     }
 
     /// Halves a part that was refused, or leaves it to the explicit scheme.
-    fn refuse<R: Real>(&mut self, plan: &Plan, state: &mut State<R>, counters: &mut Counters) {
+    fn divide_refused<R: Real>(&mut self, plan: &Plan, state: &mut State<R>, counters: &mut Counters) {
         if state.halvings < plan.halvings {
             state.halvings += 1;
             counters.halved += 1;

@@ -2,7 +2,7 @@
 //! rest give it energy.
 //!
 //! The stability limit at rest does not hold there. While any link is far longer or shorter than at rest, a substep is taken
-//! in parts: as many as the directions of the links at the last look ask for ([`crate::physics::limits::present`]), and,
+//! in parts: as many as the directions of the links at the last check ask for ([`crate::physics::limits::present`]), and,
 //! where links turn far within a substep, as many as are stable in any state ([`crate::physics::limits::any_state`]). At
 //! rest that would cost three times as much for nothing.
 //!
@@ -13,18 +13,18 @@
 use crate::math::Real;
 use crate::physics::forces::strain::{self, StraightMotion};
 use crate::physics::forces::{ForceWorkspace, recovery};
-use crate::physics::limits::any_state::MOST_PARTS;
+use crate::physics::limits::any_state::MAX_PARTS;
 use crate::physics::limits::{LinkLoad, present};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State, Strain};
-use crate::physics::stepping::looks;
+use crate::physics::stepping::checks;
 
 /// The strain of a body becomes large when any link, stretched or compressed, exceeds the larger of these, and stays so
 /// until all links are below the smaller. Bodies that fall on the ground by their own weight stay below. Where the plan's
 /// scheme bears less, a body counts as taut above smaller strains ([`Plan::strains`]): the scheme of substeps in which it
 /// meets others may bear more.
-pub(crate) const STRAINS: [f64; 2] = [0.5, 0.7];
+pub(crate) const STRAIN_THRESHOLDS: [f64; 2] = [0.5, 0.7];
 
 /// How long all links have to be below the smaller strain until the body is calm, s, ...
 const CALM_SECS: f64 = 0.25;
@@ -32,46 +32,53 @@ const CALM_SECS: f64 = 0.25;
 /// ... and for how many substeps at least.
 const CALM_SUBSTEPS: u64 = 100;
 
-/// From look to look the load of a strained body's links falls to no less than this share: it, too, sets the step length,
+/// From check to check the load of a strained body's links falls to no less than this share: it, too, sets the step length,
 /// which must not change suddenly.
-const LOAD_KEPT: f64 = 0.98;
+const LOAD_DECAY: f64 = 0.98;
 
 /// How far the ends of a link in a strained body move relative to each other in a part at most, in its length: a link that
 /// turns about or is turned inside out within a step is stiffer on the way than at either end.
-const MOST_WAY: f64 = 0.5;
+const MAX_LINK_DISPLACEMENT: f64 = 0.5;
 
 /// Into how many parts substeps are divided while a body is strained.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct WhileStrained {
+pub(in crate::physics) struct StrainPolicy {
     /// The parts while no body is strained.
-    pub(in crate::physics) whole: u32,
+    pub(in crate::physics) parts_at_rest: u32,
     /// The parts while a body is strained.
-    pub(in crate::physics) parts: u32,
+    pub(in crate::physics) strained_parts: u32,
     /// The scheme that takes the parts.
     pub(in crate::physics) scheme: Scheme,
     /// The least strain of a body that counts as strained here.
-    pub(in crate::physics) from: Strain,
+    pub(in crate::physics) min_strain: Strain,
 }
 
-impl WhileStrained {
+impl StrainPolicy {
     /// The division into these numbers of parts, taken by a scheme.
-    pub(in crate::physics) fn by(scheme: Scheme, [whole, parts]: [u32; 2], plan: &Plan) -> Self {
-        Self { whole, parts, scheme, from: if scheme == plan.scheme { Strain::Taut } else { Strain::Large } }
+    pub(in crate::physics) fn new(scheme: Scheme, [parts_at_rest, strained_parts]: [u32; 2], plan: &Plan) -> Self {
+        Self {
+            parts_at_rest,
+            strained_parts,
+            scheme,
+            min_strain: if scheme == plan.scheme { Strain::Taut } else { Strain::Large },
+        }
     }
 
     /// The parts that the bodies need as they are strained now; none where none is.
-    fn needed<R: Real>(self, model: &Model<R>, plan: &Plan, state: &State<R>) -> Option<u32> {
-        let secs = plan.substep_secs() / f64::from(self.whole);
+    fn needed_parts<R: Real>(self, model: &Model<R>, plan: &Plan, state: &State<R>) -> Option<u32> {
+        let secs = plan.substep_secs() / f64::from(self.parts_at_rest);
         let of = |(body, memory): (&BodyModel<R>, &BodyMemory)| {
-            let is_strained = memory.strain >= self.from;
+            let is_strained = memory.strain >= self.min_strain;
             // The push on cells near inversion is not a link force. The longer substeps of the stabilised scheme bear little
             // of it, even where links need no shorter ones.
             let is_crushed =
                 (is_strained || self.scheme == Scheme::Stabilised) && recovery::pushes(body, memory, state);
             let is_known = self.scheme == Scheme::SemiImplicit && memory.load != LinkLoad::default();
             match () {
-                () if is_crushed || is_strained && !is_known => Some(self.parts),
-                () if is_strained => Some(self.whole.saturating_mul(present::parts(memory.load, secs)).min(self.parts)),
+                () if is_crushed || is_strained && !is_known => Some(self.strained_parts),
+                () if is_strained => {
+                    Some(self.parts_at_rest.saturating_mul(present::parts(memory.load, secs)).min(self.strained_parts))
+                }
                 () => None,
             }
         };
@@ -80,58 +87,60 @@ impl WhileStrained {
     }
 }
 
-/// Looks at the links where that is due, as they are and as they would be after the substep. Returns into how many parts the
-/// coming substep is divided: one, or at least as many as strained bodies need. `spreads` bounds the relative speeds of each
-/// body's particles, m/s.
-pub(in crate::physics) fn parts_now<R: Real>(
+/// Checks the links where that is due, as they are and as they would be after the substep. Returns into how many parts the
+/// coming substep is divided: one, or at least as many as strained bodies need. `max_relative_speeds` bounds the relative
+/// speeds of each body's particles, m/s.
+pub(in crate::physics) fn parts_before_substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
-    while_strained: WhileStrained,
-    spreads: &[f64],
+    strain_policy: StrainPolicy,
+    max_relative_speeds: &[f64],
     state: &mut State<R>,
     forces: &mut ForceWorkspace<R>,
 ) -> u32 {
-    if while_strained.parts == 0 {
+    if strain_policy.strained_parts == 0 {
         return 1;
     }
-    let mut by_way = 1;
-    let is_time = looks::is_time_to_look_at(model, plan, state, spreads);
+    let mut parts_by_displacement = 1;
+    let is_time = checks::is_check_due_at(model, plan, state, max_relative_speeds);
     if is_time || state.bodies.iter().any(|memory| memory.strain > Strain::Small) {
-        let whose = if is_time { Whose::All } else { Whose::Strained };
+        let checked = if is_time { CheckedBodies::All } else { CheckedBodies::Strained };
         let State { position, velocity, bodies, .. } = state;
         let motion = StraightMotion { position, velocity, secs: R::from_f64(plan.substep_secs()) };
-        by_way = look(model, plan, whose, motion, bodies, forces);
+        parts_by_displacement = check_strain(model, plan, checked, motion, bodies, forces);
     }
-    let needed = while_strained.needed(model, plan, state);
+    let needed = strain_policy.needed_parts(model, plan, state);
     // Where links turn far in the substep, their present directions do not matter.
-    needed.map_or(by_way, |needed| if by_way > 1 { by_way.max(while_strained.parts) } else { needed })
+    needed.map_or(parts_by_displacement, |needed| {
+        if parts_by_displacement > 1 { parts_by_displacement.max(strain_policy.strained_parts) } else { needed }
+    })
 }
 
-/// Looks at the links between two parts of a substep that began without a strained body, where that is due: the last look
-/// was `unseen` (s) ago, and the next part is `secs` (s) long. Returns how many parts of the substep the bodies need that
-/// are strained by now. Without this, a body that becomes strained in a long substep that is divided for contact between
-/// bodies would go through its other parts as if it were at rest.
-pub(in crate::physics) fn parts_by_now<R: Real>(
+/// Checks the links between two parts of a substep that began without a strained body, where that is due: the last check
+/// was `secs_since_check` (s) ago, and the next part is `secs` (s) long. Returns how many parts of the substep the bodies
+/// need that are strained by now. Without this, a body that becomes strained in a long substep that is divided for contact
+/// between bodies would go through its other parts as if it were at rest.
+pub(in crate::physics) fn parts_within_substep<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     state: &mut State<R>,
-    while_strained: WhileStrained,
-    unseen: &mut f64,
+    strain_policy: StrainPolicy,
+    secs_since_check: &mut f64,
     secs: f64,
     forces: &mut ForceWorkspace<R>,
 ) -> Option<u32> {
-    if *unseen + secs > looks::secs_between(model, plan, state) {
-        *unseen = 0.0;
+    if *secs_since_check + secs > checks::check_interval_secs(model, plan, state) {
+        *secs_since_check = 0.0;
         let State { position, velocity, bodies, .. } = state;
         let motion = StraightMotion { position, velocity, secs: R::from_f64(secs) };
-        look(model, plan, Whose::AllWithinSubstep, motion, bodies, forces);
+        check_strain(model, plan, CheckedBodies::AllWithinSubstep, motion, bodies, forces);
     }
-    while_strained.needed(model, plan, state)
+    strain_policy.needed_parts(model, plan, state)
 }
 
 /// Whether links of a body that is awake and not strained would exceed the larger strain in this motion, as where contact
 /// stops some particles and not others.
-pub(in crate::physics) fn tear<R: Real>(
+pub(in crate::physics) fn would_tear_bodies<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     memories: &[BodyMemory],
@@ -141,17 +150,17 @@ pub(in crate::physics) fn tear<R: Real>(
     forces.find_strained(model, memories, plan.simd, motion, |number| {
         let (body, memory) = (&model.bodies[number], &memories[number]);
         let is_due = !memory.asleep && memory.strain == Strain::Small && {
-            let spread = looks::spread_of::<R>(plan, motion.of(body).velocity);
-            looks::unseen_secs(body, spread) < motion.secs.to_f64()
+            let max_relative_speed = checks::max_relative_speed_of::<R>(plan, motion.of(body).velocity);
+            checks::body_check_interval_secs(body, max_relative_speed) < motion.secs.to_f64()
         };
         is_due.then_some(plan.strains[1])
     });
     (0..model.bodies.len()).any(|body| forces.is_strained(body))
 }
 
-/// Whose links are looked at.
+/// The bodies whose links are checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::physics) enum Whose {
+pub(in crate::physics) enum CheckedBodies {
     /// Those of strained bodies.
     Strained,
     /// Those of all.
@@ -160,33 +169,33 @@ pub(in crate::physics) enum Whose {
     AllWithinSubstep,
 }
 
-/// Looks at the links in a motion and remembers which bodies are strained. Returns into how many parts the motion has to be
+/// Checks the links in a motion and remembers which bodies are strained. Returns into how many parts the motion has to be
 /// divided so that no link of a strained body goes too far in one.
-pub(in crate::physics) fn look<R: Real>(
+pub(in crate::physics) fn check_strain<R: Real>(
     model: &Model<R>,
     plan: &Plan,
-    whose: Whose,
+    checked: CheckedBodies,
     motion: StraightMotion<'_, R>,
     memories: &mut [BodyMemory],
     forces: &mut ForceWorkspace<R>,
 ) -> u32 {
-    let calm_substeps = looks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
-    let is_looked_at =
-        |memory: &BodyMemory| !memory.asleep && (whose != Whose::Strained || memory.strain > Strain::Small);
+    let calm_substeps = checks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
+    let is_checked =
+        |memory: &BodyMemory| !memory.asleep && (checked != CheckedBodies::Strained || memory.strain > Strain::Small);
     forces.find_strained(model, memories, plan.simd, motion, |body| {
         let memory = &memories[body];
-        is_looked_at(memory).then_some(match memory.strain {
+        is_checked(memory).then_some(match memory.strain {
             Strain::Small => plan.strains[1],
             Strain::Taut => plan.strains[0],
-            Strain::Large => STRAINS[0],
+            Strain::Large => STRAIN_THRESHOLDS[0],
         })
     });
-    let may_be_taut = plan.strains[1] < STRAINS[1];
+    let may_be_taut = plan.strains[1] < STRAIN_THRESHOLDS[1];
     let above_small = if may_be_taut { Strain::Taut } else { Strain::Large };
-    for (number, memory) in memories.iter_mut().enumerate().filter(|(_, memory)| is_looked_at(memory)) {
+    for (number, memory) in memories.iter_mut().enumerate().filter(|(_, memory)| is_checked(memory)) {
         if forces.is_strained(number) {
             (memory.strain, memory.calm_substeps) = (memory.strain.max(above_small), 0);
-        } else if memory.strain > Strain::Small && whose != Whose::AllWithinSubstep {
+        } else if memory.strain > Strain::Small && checked != CheckedBodies::AllWithinSubstep {
             memory.calm_substeps += 1;
             if u64::from(memory.calm_substeps) >= calm_substeps {
                 let is_less = memory.strain == Strain::Large && may_be_taut;
@@ -196,32 +205,36 @@ pub(in crate::physics) fn look<R: Real>(
     }
     if may_be_taut {
         let is_taut = |memory: &BodyMemory| !memory.asleep && memory.strain == Strain::Taut;
-        forces.find_strained(model, memories, plan.simd, motion, |body| is_taut(&memories[body]).then_some(STRAINS[1]));
+        forces.find_strained(model, memories, plan.simd, motion, |body| {
+            is_taut(&memories[body]).then_some(STRAIN_THRESHOLDS[1])
+        });
         for (number, memory) in memories.iter_mut().enumerate().filter(|(_, memory)| is_taut(memory)) {
             if forces.is_strained(number) {
                 (memory.strain, memory.calm_substeps) = (Strain::Large, 0);
             }
         }
     }
-    for (body, memory) in model.bodies.iter().zip(&mut *memories).filter(|(_, memory)| is_looked_at(memory)) {
+    for (body, memory) in model.bodies.iter().zip(&mut *memories).filter(|(_, memory)| is_checked(memory)) {
         if memory.strain == Strain::Small {
             memory.load = LinkLoad::default();
-        } else if whose != Whose::Strained || memory.load == LinkLoad::default() {
+        } else if checked != CheckedBodies::Strained || memory.load == LinkLoad::default() {
             let now = present::load(body, motion.of(body).position, &mut forces.sums);
-            memory.load = now.larger_of(memory.load.times(LOAD_KEPT));
+            memory.load = now.larger_of(memory.load.times(LOAD_DECAY));
         }
     }
     let strained =
-        model.bodies.iter().zip(memories).filter(|(_, memory)| is_looked_at(memory) && memory.strain > Strain::Small);
-    let longest_way = strained.fold(0.0, |most: f64, (body, _)| {
+        model.bodies.iter().zip(memories).filter(|(_, memory)| is_checked(memory) && memory.strain > Strain::Small);
+    let max_displacement = strained.fold(0.0, |most: f64, (body, _)| {
         let own = motion.of(body);
-        let bound = looks::spread_of::<R>(plan, own.velocity) * body.inverse_cell_size.to_f64() * own.secs.to_f64();
+        let bound = checks::max_relative_speed_of::<R>(plan, own.velocity)
+            * body.inverse_cell_size.to_f64()
+            * own.secs.to_f64();
         // No link is shorter at rest than a cell: where particles are slow relative to each other, the bound is enough.
-        most.max(if bound <= MOST_WAY { bound } else { strain::longest_way(body, own) })
+        most.max(if bound <= MAX_LINK_DISPLACEMENT { bound } else { strain::max_link_displacement(body, own) })
     });
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
-    let parts = libm::ceil(longest_way / MOST_WAY) as u32;
-    parts.clamp(1, MOST_PARTS)
+    let parts = libm::ceil(max_displacement / MAX_LINK_DISPLACEMENT) as u32;
+    parts.clamp(1, MAX_PARTS)
 }
 
 #[cfg(test)]
@@ -418,7 +431,7 @@ mod tests {
         assert!(kept < 1.01, "{kept} of the energy");
         let hasty = swung(|simulation| {
             let mut state = simulation.state().clone();
-            // One calm look is enough.
+            // One calm check is enough.
             state.bodies[0].calm_substeps = if state.bodies[0].strain > Strain::Small { u32::MAX - 1 } else { 0 };
             simulation.set_state(state);
         });

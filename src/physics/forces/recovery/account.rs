@@ -25,11 +25,12 @@ use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::team::{self, FEWEST_THAT_MEET};
 
-/// Books what recovery took in a substep of a scheme, of length `dt` (s), before particles move with velocity `path` (m/s).
-pub(in crate::physics) fn settle<R: Real>(
+/// Books what recovery took in a substep of a scheme, of length `dt` (s), before particles move with velocity
+/// `moving_velocity` (m/s).
+pub(in crate::physics) fn track_energy<R: Real>(
     (model, plan): (&Model<R>, &Plan),
     (scheme, dt): (Scheme, R),
-    path: &[R::Vec3],
+    moving_velocity: &[R::Vec3],
     state: &mut State<R>,
     workspaces: &mut [RecoveryWorkspace<R>],
 ) {
@@ -41,11 +42,11 @@ pub(in crate::physics) fn settle<R: Real>(
             let motion = Motion {
                 position: &position[body.particles.clone()],
                 velocity: &velocity[body.particles.clone()],
-                path: &path[body.particles.clone()],
+                moving_velocity: &moving_velocity[body.particles.clone()],
                 scheme,
                 dt,
             };
-            let taken = of_cells(body, memory, motion) + of_soft_links(body, memory, motion, workspace);
+            let taken = taken_by_cells(body, memory, motion) + taken_by_soft_links(body, memory, motion, workspace);
             if taken.is_finite() {
                 memory.account.taken_j += taken;
             }
@@ -58,14 +59,14 @@ pub(in crate::physics) fn settle<R: Real>(
 struct Motion<'a, R: Real> {
     position: &'a [R::Vec3],
     velocity: &'a [R::Vec3],
-    path: &'a [R::Vec3],
+    moving_velocity: &'a [R::Vec3],
     scheme: Scheme,
     dt: R,
 }
 
 /// Returns what push and pull take, J.
-fn of_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_, R>) -> f64 {
-    let Motion { position, velocity, path, scheme, dt } = motion;
+fn taken_by_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_, R>) -> f64 {
+    let Motion { position, velocity, moving_velocity, scheme, dt } = motion;
     let push = body.recovery.push;
     let pull = pull::stiffness(body, memory);
     let per_size = body.inverse_cell_size;
@@ -80,12 +81,12 @@ fn of_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_
         let corners = &body.lattice.cells[cell as usize];
         let at = |place: fn(R::Vec3, [R::Vec3; 2]) -> R::Vec3| {
             let corners = corners.map(|corner| corner as usize);
-            let places = corners.map(|p| place(position[p], [velocity[p] * dt, path[p] * dt]));
+            let places = corners.map(|p| place(position[p], [velocity[p] * dt, moving_velocity[p] * dt]));
             MeanEdges::of(&places, &own, per_size)
         };
         let [before, now, after] = [at(|x, [came, _]| x - came), at(|x, _| x), at(|x, [_, goes]| x + goes)];
         let rates = mean_edges(velocity, corners, R::ONE);
-        let goes = mean_edges(path, corners, R::ONE);
+        let goes = mean_edges(moving_velocity, corners, R::ONE);
         let work_of = |force: [R::Vec3; 3]| {
             (0..3).fold(0.0, |sum, axis| sum + force[axis].dot((rates[axis] + goes[axis]) * dt).to_f64())
         };
@@ -97,16 +98,16 @@ fn of_cells<R: Real>(body: &BodyModel<R>, memory: &BodyMemory, motion: Motion<'_
 }
 
 /// Returns what soft links take, J.
-fn of_soft_links<R: Real>(
+fn taken_by_soft_links<R: Real>(
     body: &BodyModel<R>,
     memory: &BodyMemory,
     motion: Motion<'_, R>,
     workspace: &mut RecoveryWorkspace<R>,
 ) -> f64 {
-    let Motion { position, velocity, path, dt, .. } = motion;
+    let Motion { position, velocity, moving_velocity, dt, .. } = motion;
     let mut taken = 0.0;
     for_each_soft_link(body, memory, [position, velocity], workspace, |[i, j], link| {
-        let goes = path[j] - path[i];
+        let goes = moving_velocity[j] - moving_velocity[i];
         let energy = |d: R::Vec3| {
             let strain = (d.length() * link.inverse_rest_length - R::ONE).to_f64();
             0.5 * (link.stiffness / link.inverse_rest_length).to_f64() * strain * strain

@@ -4,16 +4,16 @@ use crate::math::{Real, Vector};
 use crate::physics::model::{BodyModel, Scheme};
 
 /// A cell below this signed volume is pushed back into shape.
-pub(super) const THRESHOLD: f64 = 0.3;
+pub(super) const VOLUME_THRESHOLD: f64 = 0.3;
 
 /// Cells nearer to the threshold than this are watched: most cells that invert between two checks were this near before.
-pub(super) const WATCH: f64 = 0.4;
+pub(super) const WATCH_MARGIN: f64 = 0.4;
 
 /// The push stops growing at this depth.
-pub(super) const DEEPEST: f64 = 2.0;
+pub(super) const MAX_PUSH_DEPTH: f64 = 2.0;
 
 /// The least share of the push that is left while a cell is on its way back.
-const RETURNED: f64 = 0.5;
+const MIN_RETURN_SHARE: f64 = 0.5;
 
 /// In a substep of an explicit scheme the damper d takes no more than this share of the speed of the push's fastest mode,
 /// which it damps at a rate of `4 d/m`. The shorter the substeps, the nearer it comes to halving every push on the way back.
@@ -50,7 +50,11 @@ impl<R: Real> Strength<R> {
     #[inline]
     pub(super) fn times(self, force: R, growth: R) -> R {
         let whole = self.stiffness * force;
-        if growth > R::ZERO { whole - (self.damping * growth).min(whole * R::from_f64(1.0 - RETURNED)) } else { whole }
+        if growth > R::ZERO {
+            whole - (self.damping * growth).min(whole * R::from_f64(1.0 - MIN_RETURN_SHARE))
+        } else {
+            whole
+        }
     }
 }
 
@@ -78,7 +82,7 @@ pub(super) fn mean_edges<R: Real>(of: &[R::Vec3], corners: &[u32; 8], scale: R) 
 /// Adds the forces on a cell's mean edges to the forces on its corners: a quarter to each corner at an edge's high end, the
 /// opposite at the low end.
 #[inline]
-pub(super) fn spread<R: Real>(edge_forces: &[R::Vec3; 3], corners: &[u32; 8], force: &mut [R::Vec3]) {
+pub(super) fn add_edge_forces<R: Real>(edge_forces: &[R::Vec3; 3], corners: &[u32; 8], force: &mut [R::Vec3]) {
     let quarter = R::from_f64(0.25);
     for (place, &corner) in corners.iter().enumerate() {
         for (axis, &edge_force) in edge_forces.iter().enumerate() {
@@ -107,7 +111,7 @@ impl<R: Real> MeanEdges<R> {
     }
 
     /// Returns the size of the largest face, at least 1: the divisor of the push.
-    pub(super) fn cap(&self) -> R {
+    pub(super) fn push_divisor(&self) -> R {
         self.faces.iter().fold(R::ONE, |largest, face| largest.max(face.length()))
     }
 
@@ -115,21 +119,21 @@ impl<R: Real> MeanEdges<R> {
     /// sizes. A wide cell's volume changes a lot over a short way.
     #[inline]
     fn depth(&self, cap: R) -> R {
-        self.missing() / cap
+        self.missing_volume() / cap
     }
 
     #[inline]
-    pub(super) fn missing(&self) -> R {
-        R::from_f64(THRESHOLD) - self.volume()
+    pub(super) fn missing_volume(&self) -> R {
+        R::from_f64(VOLUME_THRESHOLD) - self.volume()
     }
 
-    /// Whether the cell is below the threshold, or near enough above it to be watched: the test of [`super::near`] for one
-    /// cell.
+    /// Whether the cell is below the threshold, or near enough above it to be watched: the test of
+    /// [`super::near_inversion`] for one cell.
     #[cfg(test)]
     pub(super) fn is_near_inversion(&self) -> bool {
-        let above = -self.missing();
+        let above = -self.missing_volume();
         let largest = self.faces.iter().fold(R::ONE, |largest, face| largest.max(face.dot(*face)));
-        above <= R::ZERO || above * above < largest * R::from_f64(WATCH * WATCH)
+        above <= R::ZERO || above * above < largest * R::from_f64(WATCH_MARGIN * WATCH_MARGIN)
     }
 
     /// The longest mean edge, cell sizes.
@@ -140,42 +144,42 @@ impl<R: Real> MeanEdges<R> {
     /// Whether the cell is pushed: below the threshold and not stretched so far that its volume is infinite or NaN.
     #[inline]
     pub(super) fn is_pushed(&self) -> bool {
-        self.missing().is_finite() && self.missing() > R::ZERO
+        self.missing_volume().is_finite() && self.missing_volume() > R::ZERO
     }
 
     /// Returns the energy for a stiffness of one.
     pub(super) fn energy(&self) -> f64 {
-        let depth = self.depth(self.cap()).to_f64();
-        let sprung = depth.min(DEEPEST);
+        let depth = self.depth(self.push_divisor()).to_f64();
+        let sprung = depth.min(MAX_PUSH_DEPTH);
         // An infinite volume gives no finite energy, a NaN volume gives zero.
-        if self.missing() > R::ZERO { sprung * (depth - 0.5 * sprung) } else { 0.0 }
+        if self.missing_volume() > R::ZERO { sprung * (depth - 0.5 * sprung) } else { 0.0 }
     }
 
     /// Returns the way of the mean edges that leads the cell out of its depth: −C times the gradient of the depth. It is the
     /// gradient of the volume (the faces) plus the depth times the gradient of C; the latter only in a cell that is not
     /// becoming wider at these `rates`. Without it a cell that becomes narrower while it is crushed would gain energy from
     /// nowhere; with it in both directions more knots of crushed cells stay (73 of 400 instead of 47).
-    pub(super) fn way_out(&self, rates: &[R::Vec3; 3]) -> [R::Vec3; 3] {
-        let cap = self.cap();
-        let mut way_out = self.faces;
+    pub(super) fn recovery_direction(&self, rates: &[R::Vec3; 3]) -> [R::Vec3; 3] {
+        let cap = self.push_divisor();
+        let mut direction = self.faces;
         for (third, face) in self.faces.iter().enumerate() {
             if cap > R::ONE && face.length() >= cap {
                 let [first, second] = [(third + 1) % 3, (third + 2) % 3];
                 let by = *face * (self.depth(cap) / cap);
                 let wider = [self.edges[second].cross(by), by.cross(self.edges[first])];
                 if rates[first].dot(wider[0]) + rates[second].dot(wider[1]) <= R::ZERO {
-                    way_out[first] += wider[0];
-                    way_out[second] += wider[1];
+                    direction[first] += wider[0];
+                    direction[second] += wider[1];
                 }
                 break;
             }
         }
-        way_out
+        direction
     }
 
     /// Returns the second derivative of the energy along the way out, while the push still grows with the depth.
     pub(super) fn resistance(&self) -> f64 {
-        let cap = self.cap().to_f64();
+        let cap = self.push_divisor().to_f64();
         1.0 / (cap * cap)
     }
 
@@ -186,11 +190,11 @@ impl<R: Real> MeanEdges<R> {
         if !self.is_pushed() {
             return None;
         }
-        let way_out = self.way_out(rates);
-        let growth = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(way_out[axis]));
-        let cap = self.cap();
-        let strength = strength.times(self.depth(cap).min(R::from_f64(DEEPEST)), growth / cap) / cap;
-        Some(way_out.map(|way| way * strength)).filter(|push| push.iter().all(|force| force.is_finite()))
+        let direction = self.recovery_direction(rates);
+        let growth = (0..3).fold(R::ZERO, |sum, axis| sum + rates[axis].dot(direction[axis]));
+        let cap = self.push_divisor();
+        let strength = strength.times(self.depth(cap).min(R::from_f64(MAX_PUSH_DEPTH)), growth / cap) / cap;
+        Some(direction.map(|way| way * strength)).filter(|push| push.iter().all(|force| force.is_finite()))
     }
 }
 

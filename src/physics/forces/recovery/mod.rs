@@ -2,7 +2,7 @@
 //! cells stay inside out for ever.
 //!
 //! The means a, b, c of a cell's four edges along each axis and its cell size h give the signed volume `V = a·(b×c)/h³`,
-//! which is 1 at rest and at most 0 if the cell is inverted. Below [`THRESHOLD`] the cell pushes back:
+//! which is 1 at rest and at most 0 if the cell is inverted. Below [`VOLUME_THRESHOLD`] the cell pushes back:
 //!
 //! ```text
 //!       6───────7         force on the mean edge a, cyclic in a, b, c:
@@ -32,18 +32,18 @@
 
 mod account;
 mod edges;
-mod near;
+mod near_inversion;
 mod pull;
 mod resistance;
 mod rotation;
 mod soft_links;
 
-pub(in crate::physics) use account::settle;
+pub(in crate::physics) use account::track_energy;
 pub(in crate::physics) use resistance::{Resistance, energy_past_work, resistances};
 pub(in crate::physics) use rotation::nearest_rotation;
 pub(in crate::physics) use soft_links::RecoveryWorkspace;
 
-use edges::{MeanEdges, Strength, THRESHOLD, is_inverted, mean_edges, spread};
+use edges::{MeanEdges, Strength, VOLUME_THRESHOLD, add_edge_forces, is_inverted, mean_edges};
 use soft_links::soften;
 
 use crate::math::Real;
@@ -53,12 +53,12 @@ use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
-use crate::physics::stepping::looks;
+use crate::physics::stepping::checks;
 use crate::physics::team::{self, FEWEST_THAT_MEET};
 
 /// The bodies whose cells are checked before a substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::physics) enum Due {
+pub(in crate::physics) enum DueBodies {
     /// Bodies with cells on their lists.
     Watched,
     /// All bodies.
@@ -66,35 +66,35 @@ pub(in crate::physics) enum Due {
 }
 
 /// Returns which bodies are checked in this substep, if any.
-pub(in crate::physics) fn due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Option<Due> {
-    let is_time = || looks::is_time_to_look(model, plan, state);
+pub(in crate::physics) fn due_bodies<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Option<DueBodies> {
+    let is_time = || checks::is_check_due(model, plan, state);
     match state.bodies.iter().any(BodyMemory::is_watched) {
-        _ if !plan.lean || is_time() => Some(Due::All),
-        true => Some(Due::Watched),
+        _ if !plan.lean || is_time() => Some(DueBodies::All),
+        true => Some(DueBodies::Watched),
         false => None,
     }
 }
 
 /// Checks all cells of the bodies that are due before a substep of `secs`, lists those near inversion, and updates which
 /// bodies are stuck.
-pub(in crate::physics) fn look<R: Real>(
+pub(in crate::physics) fn check_cells<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     state: &mut State<R>,
-    due: Due,
+    due: DueBodies,
     secs: f64,
     recorder: &mut Recorder<'_>,
 ) {
-    let is_due = |memory: &BodyMemory| !memory.asleep && (due == Due::All || memory.is_watched());
+    let is_due = |memory: &BodyMemory| !memory.asleep && (due == DueBodies::All || memory.is_watched());
     let State { position, velocity, bodies, .. } = state;
-    let looked_at = model.bodies.iter().zip(&*bodies).filter(|(_, memory)| is_due(memory));
-    let cells = looked_at.filter(|(body, _)| recovers(body)).map(|(body, _)| body.lattice.cells.len() as u64);
+    let checked = model.bodies.iter().zip(&*bodies).filter(|(_, memory)| is_due(memory));
+    let cells = checked.filter(|(body, _)| recovers(body)).map(|(body, _)| body.lattice.cells.len() as u64);
     recorder.counters.cells_looked_at += cells.sum::<u64>();
     let (position, velocity) = (&*position, &*velocity);
     team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (&mut bodies[..], ()), |these, memories, ()| {
         for (body, memory) in model.bodies[these].iter().zip(memories).filter(|(_, memory)| is_due(memory)) {
             let own = [position, velocity].map(|of| &of[body.particles.clone()]);
-            look_at(body, plan, own, secs, memory);
+            check_body(body, plan, own, secs, memory);
         }
     });
 }
@@ -104,8 +104,8 @@ fn recovers<R: Real>(body: &BodyModel<R>) -> bool {
     body.recovery.stiffness > R::ZERO
 }
 
-/// [`look`] for one body, whose particles are at `position` (m) and move with `velocity` (m/s).
-fn look_at<R: Real>(
+/// [`check_cells`] for one body, whose particles are at `position` (m) and move with `velocity` (m/s).
+fn check_body<R: Real>(
     body: &BodyModel<R>,
     plan: &Plan,
     [position, velocity]: [&[R::Vec3]; 2],
@@ -114,21 +114,21 @@ fn look_at<R: Real>(
 ) {
     memory.near_inversion.clear();
     if !recovers(body) {
-        pull::forget(memory);
+        pull::reset(memory);
         return;
     }
     let (cells, scale) = (&body.lattice.cells, body.inverse_cell_size);
-    near::write_down(plan.simd, cells, position, scale, &mut memory.near_inversion);
-    let mut worst = pull::Worst::default();
+    near_inversion::list_near_inversion(plan.simd, cells, position, scale, &mut memory.near_inversion);
+    let mut extremes = pull::CellExtremes::default();
     for &number in &memory.near_inversion {
-        worst.see(&MeanEdges::of(position, &cells[number as usize], scale));
+        extremes.include(&MeanEdges::of(position, &cells[number as usize], scale));
     }
     if memory.near_inversion.is_empty() {
         // A debt stays, a credit expires.
         memory.account.taken_j = memory.account.taken_j.min(0.0);
     }
-    pull::judge(body, memory, worst, position, velocity, secs);
-    pull::pay(body, memory, position);
+    pull::update_stuck(body, memory, extremes, position, velocity, secs);
+    pull::raise_pull_share(body, memory, position);
 }
 
 /// Whether any cell of a body is pushed in this state.
@@ -136,7 +136,7 @@ pub(in crate::physics) fn pushes<R: Real>(body: &BodyModel<R>, memory: &BodyMemo
     let position = &state.position[body.particles.clone()];
     memory.near_inversion.iter().any(|&cell| {
         let edges = MeanEdges::of(position, &body.lattice.cells[cell as usize], body.inverse_cell_size);
-        edges.volume() < R::from_f64(THRESHOLD)
+        edges.volume() < R::from_f64(VOLUME_THRESHOLD)
     })
 }
 
@@ -188,9 +188,9 @@ fn push_cells<R: Real>(
         let edges = MeanEdges::of(position, corners, body.inverse_cell_size);
         let rates = mean_edges(velocity, corners, R::ONE);
         let Some(push) = edges.push(&rates, strength) else { continue };
-        spread::<R>(&push, corners, force);
+        add_edge_forces::<R>(&push, corners, force);
         if let Some(pull) = pull.and_then(|pull| pull::cell_force(&edges, &rates, pull)) {
-            spread::<R>(&pull, corners, force);
+            add_edge_forces::<R>(&pull, corners, force);
         }
     }
 }

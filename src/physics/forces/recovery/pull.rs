@@ -11,13 +11,14 @@
 //! The pull keeps momentum, and angular momentum as `R Fᵀ` is symmetric. Three parts follow no potential: the divisor for
 //! stretched cells, the bound on what `∂s/∂V` adds (the same as that of the push), and R, which is shortened where no
 //! rotation is the nearest. Apart from these the pull gives no more than it takes once it acts. Switching it on brings W of
-//! the crushed cells into the body, a few κ each, as none of them may be wider than [`WIDEST`]; in a body of few cells that
-//! can be as much as all its links hold. So p only grows as the energy that recovery has taken from the body pays for W, see
-//! [`super::account`]. W would be too much for a body in violent motion, so that such a body is never stuck: it must first
-//! be so slow for a while that its kinetic energy is negligible beside the energy of a single cell. From then on the pull
-//! acts, however the body moves, until none of its cells is crushed, and W is zero, or until one of them is torn apart.
+//! the crushed cells into the body, a few κ each, as none of them may be wider than [`MAX_EDGE_LENGTH`]; in a body of few
+//! cells that can be as much as all its links hold. So p only grows as the energy that recovery has taken from the body
+//! pays for W, see [`super::account`]. W would be too much for a body in violent motion, so that such a body is never
+//! stuck: it must first be so slow for a while that its kinetic energy is negligible beside the energy of a single cell.
+//! From then on the pull acts, however the body moves, until none of its cells is crushed, and W is zero, or until one of
+//! them is torn apart.
 
-use super::edges::{DEEPEST, Strength, THRESHOLD, is_inverted};
+use super::edges::{MAX_PUSH_DEPTH, Strength, VOLUME_THRESHOLD, is_inverted};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery::edges::MeanEdges;
 use crate::physics::forces::recovery::rotation::nearest_rotation;
@@ -26,73 +27,73 @@ use crate::physics::state::{BodyMemory, RecoveryAccount};
 
 /// The missing volume at which the whole pull acts. The pull grows from zero at the threshold, so that a cell gains no
 /// energy as it crosses it.
-const RANGE: f64 = 2.0 * THRESHOLD;
+const FULL_PULL_VOLUME: f64 = 2.0 * VOLUME_THRESHOLD;
 
 /// A body is slow while the root mean square of the rates at which its links change their lengths is at most this share of
 /// `√(κ/m)`, the speed at which the push turns the lightest cells over. Its kinetic energy is then negligible beside what an
 /// inverted cell could set free. At a mass M above m a rate v counts as `v √(M/m)`, which has the same energy.
-const SLOW: f64 = 3e-3;
+const MAX_RMS_LINK_RATE: f64 = 3e-3;
 
 /// The same bound for each single link. It is wider, as links that were crushed to no length tremble for ever: their
 /// direction changes at every step.
-const FASTEST: f64 = 0.1;
+const MAX_LINK_RATE: f64 = 0.1;
 
 /// How long a body with inverted cells must be slow before it is stuck, s: less than it takes to fall asleep, except for
 /// very soft bodies.
-const SLOW_SECS: f64 = 0.1;
+const MIN_SLOW_SECS: f64 = 0.1;
 
 /// The same over `h/√(κ/m)`, which is longer in a very soft body: a motion that turns back is slow for less than that.
-const SLOW_TIMES: f64 = 1.0;
+const MIN_SLOW_TURN_TIMES: f64 = 1.0;
 
 /// The most that either bound asks for, s.
-const LONGEST_SECS: f64 = 4.0;
+const MAX_SLOW_SECS: f64 = 4.0;
 
 /// A body is torn, not knotted, if a mean edge of a crushed cell is longer than this, cell sizes. W grows with the width,
 /// and the volume of so wide a cell, which switches W on and off, changes in no time.
-const WIDEST: f64 = 3.0;
+const MAX_EDGE_LENGTH: f64 = 3.0;
 
 /// The extremes of a body's crushed cells.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Worst {
+pub(super) struct CellExtremes {
     /// The smallest volume.
     smallest: f64,
     /// The longest mean edge of cells below the threshold, cell sizes.
     longest: f64,
 }
 
-impl Default for Worst {
+impl Default for CellExtremes {
     fn default() -> Self {
         Self { smallest: f64::INFINITY, longest: 0.0 }
     }
 }
 
-impl Worst {
+impl CellExtremes {
     /// Takes note of a cell.
-    pub(super) fn see<R: Real>(&mut self, edges: &MeanEdges<R>) {
+    pub(super) fn include<R: Real>(&mut self, edges: &MeanEdges<R>) {
         let volume = edges.volume().to_f64();
         self.smallest = self.smallest.min(volume);
-        if volume < THRESHOLD {
+        if volume < VOLUME_THRESHOLD {
             self.longest = self.longest.max(edges.longest().to_f64());
         }
     }
 }
 
 /// Updates whether a body is stuck, given the extremes of its cells, before a substep of `secs`.
-pub(super) fn judge<R: Real>(
+pub(super) fn update_stuck<R: Real>(
     body: &BodyModel<R>,
     memory: &mut BodyMemory,
-    Worst { smallest, longest }: Worst,
+    CellExtremes { smallest, longest }: CellExtremes,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
     secs: f64,
 ) {
-    if longest > WIDEST {
-        forget(memory);
+    if longest > MAX_EDGE_LENGTH {
+        reset(memory);
         return;
     }
     if memory.stuck {
-        if smallest >= THRESHOLD {
-            forget(memory);
+        if smallest >= VOLUME_THRESHOLD {
+            reset(memory);
         }
         return;
     }
@@ -100,7 +101,7 @@ pub(super) fn judge<R: Real>(
     if memory.knotted_nanos == 0 && !is_inverted(smallest) {
         return;
     }
-    if smallest >= THRESHOLD || !is_slow(body, position, velocity) {
+    if smallest >= VOLUME_THRESHOLD || !is_slow(body, position, velocity) {
         memory.knotted_nanos = 0;
         return;
     }
@@ -111,16 +112,17 @@ pub(super) fn judge<R: Real>(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a time of at least one, saturating")]
     let nanos = libm::ceil(secs * 1e9) as u32;
     memory.knotted_nanos = memory.knotted_nanos.saturating_add(nanos);
-    let long_enough = SLOW_SECS.max(SLOW_TIMES / (turning_speed(body) * body.inverse_cell_size.to_f64()));
-    if f64::from(memory.knotted_nanos) >= long_enough.min(LONGEST_SECS) * 1e9 {
-        forget(memory);
+    let required_secs =
+        MIN_SLOW_SECS.max(MIN_SLOW_TURN_TIMES / (turning_speed(body) * body.inverse_cell_size.to_f64()));
+    if f64::from(memory.knotted_nanos) >= required_secs.min(MAX_SLOW_SECS) * 1e9 {
+        reset(memory);
         memory.stuck = true;
     }
 }
 
 /// Switches on as much of the pull of a stuck body as the energy that recovery has taken from it pays for: switching on the
 /// whole pull brings W of each crushed cell into the body.
-pub(super) fn pay<R: Real>(body: &BodyModel<R>, memory: &mut BodyMemory, position: &[R::Vec3]) {
+pub(super) fn raise_pull_share<R: Real>(body: &BodyModel<R>, memory: &mut BodyMemory, position: &[R::Vec3]) {
     let RecoveryAccount { taken_j, pull_share } = memory.account;
     if !memory.stuck || pull_share >= 1.0 || taken_j <= 0.0 {
         return;
@@ -140,7 +142,7 @@ pub(super) fn stiffness<R: Real>(body: &BodyModel<R>, memory: &BodyMemory) -> Op
 }
 
 /// Marks the body as neither stuck nor about to be.
-pub(super) fn forget(memory: &mut BodyMemory) {
+pub(super) fn reset(memory: &mut BodyMemory) {
     (memory.stuck, memory.knotted_nanos, memory.account.pull_share) = (false, 0, 0.0);
 }
 
@@ -163,7 +165,7 @@ fn heaviness<R: Real>(body: &BodyModel<R>, [i, j]: [usize; 2]) -> R {
 /// Whether the links change their lengths slowly, however the body moves and turns as a whole.
 fn is_slow<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], velocity: &[R::Vec3]) -> bool {
     let speed = turning_speed(body);
-    let most = R::from_f64(FASTEST * FASTEST * speed * speed);
+    let most = R::from_f64(MAX_LINK_RATE * MAX_LINK_RATE * speed * speed);
     let (mut sum, mut count) = (R::ZERO, R::ZERO);
     for link in body.links.iter().flat_map(|family| family.links.iter()) {
         let [i, j] = link.ends.map(|end| end as usize);
@@ -179,7 +181,7 @@ fn is_slow<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], velocity: &[R::Ve
         }
         count += R::ONE;
     }
-    sum <= R::from_f64(SLOW * SLOW * speed * speed) * count
+    sum <= R::from_f64(MAX_RMS_LINK_RATE * MAX_RMS_LINK_RATE * speed * speed) * count
 }
 
 /// Returns the forces of the pull on the three mean edges of a cell, N, which change at these rates, m/s; none above the
@@ -194,11 +196,11 @@ pub(super) fn cell_force<R: Real>(
     }
     let (rotation, _) = nearest_rotation::<R>(&edges.edges, &edges.faces);
     let missing: [R::Vec3; 3] = std::array::from_fn(|axis| rotation[axis] - edges.edges[axis]);
-    let cap = longest(edges);
+    let cap = pull_divisor(edges);
     let misshaped = missing.iter().fold(R::ZERO, |sum, part| sum + part.dot(*part)) / cap;
-    let [share, growth] = share(edges.missing());
+    let [share, growth] = volume_share(edges.missing_volume());
     let pull = share / cap;
-    let push = (misshaped * growth * R::from_f64(0.5)).min(R::from_f64(DEEPEST)) / edges.cap();
+    let push = (misshaped * growth * R::from_f64(0.5)).min(R::from_f64(MAX_PUSH_DEPTH)) / edges.push_divisor();
     let force: [R::Vec3; 3] = std::array::from_fn(|axis| missing[axis] * pull + edges.faces[axis] * push);
     let dot = |with: &[R::Vec3; 3]| (0..3).fold(R::ZERO, |sum, axis| sum + with[axis].dot(force[axis]));
     let size = dot(&force).sqrt();
@@ -215,22 +217,22 @@ pub(super) fn cell_energy<R: Real>(edges: &MeanEdges<R>) -> f64 {
     let (_, along) = nearest_rotation::<R>(&edges.edges, &edges.faces);
     let size = edges.edges.iter().fold(0.0, |sum, edge| sum + edge.dot(*edge).to_f64());
     let misshaped = (size + 3.0 - 2.0 * along.to_f64()).max(0.0);
-    0.5 * misshaped * share(edges.missing())[0].to_f64() / longest(edges).to_f64()
+    0.5 * misshaped * volume_share(edges.missing_volume())[0].to_f64() / pull_divisor(edges).to_f64()
 }
 
 /// Returns the resistance to a change of the mean edges over the pull's stiffness.
 pub(super) fn resistance<R: Real>(edges: &MeanEdges<R>) -> f64 {
-    (share(edges.missing())[0] / longest(edges)).to_f64()
+    (volume_share(edges.missing_volume())[0] / pull_divisor(edges)).to_f64()
 }
 
 /// Returns the share of the pull that acts at a missing volume, and its derivative by that.
-fn share<R: Real>(missing: R) -> [R; 2] {
-    let part = missing * R::from_f64(1.0 / RANGE);
-    if part < R::ONE { [part * part, part * R::from_f64(2.0 / RANGE)] } else { [R::ONE, R::ZERO] }
+fn volume_share<R: Real>(missing: R) -> [R; 2] {
+    let part = missing * R::from_f64(1.0 / FULL_PULL_VOLUME);
+    if part < R::ONE { [part * part, part * R::from_f64(2.0 / FULL_PULL_VOLUME)] } else { [R::ONE, R::ZERO] }
 }
 
 /// Returns the length of the longest mean edge, at least 1: the divisor of the pull.
-fn longest<R: Real>(edges: &MeanEdges<R>) -> R {
+fn pull_divisor<R: Real>(edges: &MeanEdges<R>) -> R {
     edges.edges.iter().fold(R::ONE, |longest, edge| longest.max(edge.length()))
 }
 
@@ -264,8 +266,8 @@ mod tests {
         let is_definite = |edges: &[DVec3; 3]| {
             let edges = cell(*edges);
             let ([a, b, c], _) = nearest_rotation::<f64>(&edges.edges, &edges.faces);
-            let [share, growth] = share(edges.missing());
-            (a.dot(b.cross(c)) - 1.0).abs() < 1e-7 && cell_energy(&edges) * growth / share < 0.95 * DEEPEST
+            let [share, growth] = volume_share(edges.missing_volume());
+            (a.dot(b.cross(c)) - 1.0).abs() < 1e-7 && cell_energy(&edges) * growth / share < 0.95 * MAX_PUSH_DEPTH
         };
         all.filter(is_definite).take(100)
     }
@@ -311,9 +313,12 @@ mod tests {
 
     #[test]
     fn a_heavy_part_that_moves_is_not_slow_because_light_cells_could_move_faster() {
-        assert!(stretches_slowly(SLOW, 1.0) && !stretches_slowly(4.0 * SLOW, 1.0), "all of it weighs alike");
-        assert!(!stretches_slowly(SLOW, 1000.0), "half of it has a thousand times the energy");
-        assert!(stretches_slowly(SLOW / 1000.0_f64.sqrt(), 1000.0), "the energy is the same");
+        assert!(
+            stretches_slowly(MAX_RMS_LINK_RATE, 1.0) && !stretches_slowly(4.0 * MAX_RMS_LINK_RATE, 1.0),
+            "all of it weighs alike"
+        );
+        assert!(!stretches_slowly(MAX_RMS_LINK_RATE, 1000.0), "half of it has a thousand times the energy");
+        assert!(stretches_slowly(MAX_RMS_LINK_RATE / 1000.0_f64.sqrt(), 1000.0), "the energy is the same");
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub(in crate::physics) fn resistances<R: Real>(
         let edges = MeanEdges::of(position, &corners, inverse_cell_size);
         edges.is_pushed().then(|| Resistance {
             corners,
-            growth: edges.way_out(&[R::Vec3::ZERO; 3]).map(|way| way.to_dvec3() * per_size),
+            growth: edges.recovery_direction(&[R::Vec3::ZERO; 3]).map(|way| way.to_dvec3() * per_size),
             stiffness: stiffness * edges.resistance(),
             pull: if pull > 0.0 { pull * pull::resistance(&edges) } else { 0.0 },
         })
@@ -78,7 +78,7 @@ pub(in crate::physics) fn resistances<R: Real>(
 pub(in crate::physics) fn energy_past_work<R: Real>(
     body: &BodyModel<R>,
     memory: &BodyMemory,
-    [position, velocity, path]: [&[R::Vec3]; 3],
+    [position, velocity, moving_velocity]: [&[R::Vec3]; 3],
     dt: R,
 ) -> f64 {
     let stiffness = body.recovery.push;
@@ -92,11 +92,11 @@ pub(in crate::physics) fn energy_past_work<R: Real>(
     for &cell in &memory.near_inversion {
         let corners = &body.lattice.cells[cell as usize];
         let at = corners.map(|corner| position[corner as usize]);
-        let moved = corners.map(|corner| position[corner as usize] + path[corner as usize] * dt);
+        let moved = corners.map(|corner| position[corner as usize] + moving_velocity[corner as usize] * dt);
         let own = [0, 1, 2, 3, 4, 5, 6, 7];
         let before = MeanEdges::of(&at, &own, body.inverse_cell_size);
         let after = MeanEdges::of(&moved, &own, body.inverse_cell_size);
-        let way = mean_edges(path, corners, dt);
+        let way = mean_edges(moving_velocity, corners, dt);
         let rates = mean_edges(velocity, corners, R::ONE);
         let work_of = |force: [R::Vec3; 3]| (0..3).fold(0.0, |sum, axis| sum + force[axis].dot(way[axis]).to_f64());
         let pulled = pull.and_then(|pull| pull::cell_force(&before, &rates, strength(pull)));

@@ -3,10 +3,10 @@
 use crate::math::{Real, Vector};
 
 /// Newton's method takes four steps for a cell that is whole, more towards a double root.
-const STEPS: usize = 8;
+const NEWTON_STEPS: usize = 8;
 
 /// Where the rotation is not unique, `ζ` below vanishes; below this share of λ³ the result fades out.
-const LEAST: f64 = 0.01;
+const MIN_ZETA_SHARE: f64 = 0.01;
 
 /// Returns the columns of the rotation R with the greatest `tr(Rᵀ F)`, given the columns of F and of its cofactors
 /// (`faces = [b×c, c×a, a×b]`). It is a rotation even for a mirrored F, and zero or shorter where no rotation is the
@@ -23,7 +23,7 @@ pub(in crate::physics) fn nearest_rotation<R: Real>(columns: &[R::Vec3; 3], face
     let (size, cofactors, det) = (square(columns), square(faces), columns[0].dot(faces[0]));
     let [two, four, eight] = [2.0, 4.0, 8.0].map(R::from_f64);
     let mut root = (R::from_f64(3.0) * size).sqrt();
-    for _ in 0..STEPS {
+    for _ in 0..NEWTON_STEPS {
         let over = root * root - size;
         let slope = four * root * over - eight * det;
         if slope <= R::ZERO {
@@ -32,7 +32,7 @@ pub(in crate::physics) fn nearest_rotation<R: Real>(columns: &[R::Vec3; 3], face
         root -= (over * over - eight * root * det - four * cofactors) / slope;
     }
     let kappa = (root * root - size) / two;
-    let zeta = (kappa * root - det).max(R::from_f64(LEAST) * root * root * root);
+    let zeta = (kappa * root - det).max(R::from_f64(MIN_ZETA_SHARE) * root * root * root);
     if !zeta.is_finite() || zeta <= R::ZERO {
         return ([R::Vec3::ZERO; 3], R::ZERO);
     }

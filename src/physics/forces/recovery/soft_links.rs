@@ -25,7 +25,7 @@
 //! The implicit integrator needs no such damping: its matrix has the whole stiffness of softened links, which resists as a
 //! damping of `k dt` would.
 
-use super::edges::THRESHOLD;
+use super::edges::VOLUME_THRESHOLD;
 use crate::math::{Real, Vector};
 use crate::physics::forces::links::link_force;
 use crate::physics::forces::recovery::edges::MeanEdges;
@@ -34,20 +34,20 @@ use crate::physics::state::BodyMemory;
 
 /// The share of their elastic force that links between particles of inverted cells lose if the families are far apart.
 /// Losing all of it would leave nothing to put a body in order that was crushed to a point.
-const SOFTEST: f64 = 0.99;
+const MAX_SOFTNESS: f64 = 0.99;
 
 /// The damping that such links get instead, over `k dt`. In semi-implicit Euler a half limits the step as much as the
 /// elastic force that was taken away; at three quarters Verlet, which counts damping twice, kept cubes broken.
-const FLOW: f64 = 0.5;
+const FLOW_DAMPING: f64 = 0.5;
 
 /// The strains between which soft links regain their whole force: parts that fly apart unhindered come back with more energy
 /// than they left with; crumpled cubes blew up.
-const TAUT: [f64; 2] = [0.5, 2.0];
+const TAUT_STRAINS: [f64; 2] = [0.5, 2.0];
 
 /// Links are soft while the mean kinetic energy of a particle is below this share of a cell's stiffness against inversion:
 /// what crushes soft links with force is given back in full by hard ones. At a hundredth, random extreme scenes gained
 /// energy; at a ten thousandth, crumpled cubes stayed broken.
-const CALM: f64 = 1e-3;
+const CALM_ENERGY_SHARE: f64 = 1e-3;
 
 /// The workspace for softening the links of a body; empty where they are never softened.
 #[derive(Clone, Debug)]
@@ -61,7 +61,7 @@ pub(in crate::physics) struct RecoveryWorkspace<R: Real> {
 impl<R: Real> RecoveryWorkspace<R> {
     /// Allocates the workspaces of a model's bodies.
     pub(in crate::physics) fn of_each(model: &Model<R>) -> Vec<Self> {
-        let particles = |body: &BodyModel<R>| if softest(body) > R::ZERO { body.particles.len() } else { 0 };
+        let particles = |body: &BodyModel<R>| if max_softness(body) > R::ZERO { body.particles.len() } else { 0 };
         let room = |count| Self { softness: vec![R::ZERO; count], soft: Vec::with_capacity(count) };
         model.bodies.iter().map(particles).map(room).collect()
     }
@@ -109,14 +109,14 @@ pub(super) fn for_each_soft_link<R: Real>(
     workspace: &mut RecoveryWorkspace<R>,
     mut visit: impl FnMut([usize; 2], SoftLink<R>),
 ) {
-    let softest = softest(body);
+    let softest = max_softness(body);
     if softest <= R::ZERO {
         return;
     }
     let crushed = |&cell: &u32| {
         let corners = &body.lattice.cells[cell as usize];
-        let missing = R::from_f64(THRESHOLD) - MeanEdges::of(position, corners, body.inverse_cell_size).volume();
-        let share = softest * (missing * R::from_f64(1.0 / THRESHOLD)).min(R::ONE);
+        let missing = R::from_f64(VOLUME_THRESHOLD) - MeanEdges::of(position, corners, body.inverse_cell_size).volume();
+        let share = softest * (missing * R::from_f64(1.0 / VOLUME_THRESHOLD)).min(R::ONE);
         (missing.is_finite() && missing > R::ZERO).then_some((corners, share))
     };
     let mut crushed = memory.near_inversion.iter().filter_map(crushed).peekable();
@@ -146,11 +146,12 @@ pub(super) fn for_each_soft_link<R: Real>(
                 if !may_give && strain * d.dot(dv) > R::ZERO {
                     continue;
                 }
-                let stretched = (strain - R::from_f64(TAUT[0])) * R::from_f64(1.0 / (TAUT[1] - TAUT[0]));
+                let stretched =
+                    (strain - R::from_f64(TAUT_STRAINS[0])) * R::from_f64(1.0 / (TAUT_STRAINS[1] - TAUT_STRAINS[0]));
                 let share = softness * (R::ONE - stretched).max(R::ZERO).min(R::ONE);
                 let inverse_rest_length = link.inverse_rest_length;
                 let [stiffness, _] = family.constants(number);
-                let flow = stiffness * body.recovery.flow_secs * R::from_f64(FLOW);
+                let flow = stiffness * body.recovery.flow_secs * R::from_f64(FLOW_DAMPING);
                 visit([i, j], SoftLink { d, dv, inverse_rest_length, stiffness, flow, softness: share });
             }
         }
@@ -175,17 +176,17 @@ fn is_calm<R: Real>(body: &BodyModel<R>, velocity: &[R::Vec3]) -> bool {
         let past = *v - mean;
         sum + body.mass(local).to_f64() * past.dot(past).to_f64()
     });
-    0.5 * twice < CALM * count * body.recovery.stiffness.to_f64()
+    0.5 * twice < CALM_ENERGY_SHARE * count * body.recovery.stiffness.to_f64()
 }
 
 /// Returns the share of their elastic force that links between particles of inverted cells lose: it grows with the gap
 /// between the structural and the shear stiffness. If bending links are stiffer than both, the push alone turns cells back,
 /// and soft links would give a body energy. Links that cells share out never have families far apart.
-fn softest<R: Real>(body: &BodyModel<R>) -> R {
+fn max_softness<R: Real>(body: &BodyModel<R>) -> R {
     let softest = |[structural, shear, bending]: [R; 3]| {
         let most = structural.max(shear).max(bending);
         if most > R::ZERO {
-            R::from_f64(SOFTEST) * ((structural - shear).max(shear - structural) / most)
+            R::from_f64(MAX_SOFTNESS) * ((structural - shear).max(shear - structural) / most)
         } else {
             R::ZERO
         }

@@ -30,16 +30,16 @@ const ROUNDING: f64 = 1e-6;
 /// forces amount to `√n/2` such units of the sum of their sizes (Higham and Mary, "A new approach to probabilistic rounding
 /// error analysis", 2019). A particle has at most 26 structural and shear links, and its weight. Its 6 bending links are not
 /// counted: with them it would be 2.9, so this is on the strict side.
-const SUMMED: f64 = 2.6;
+const SUMMATION_ERROR: f64 = 2.6;
 
 /// The share of the work of contact that may be missing from the balance: the tolerance of the equations. The work counts up
 /// to the kinetic energy at the start, or equations that were not solved at all would pass.
-const UNSOLVED: f64 = 2e-4;
+const UNSOLVED_WORK_SHARE: f64 = 2e-4;
 
 /// Whether a substep with this end gives any body energy from nowhere.
 pub(in crate::physics) fn gains_energy<R: Real>(
     substep: Substep<'_, R>,
-    end: End<'_, R>,
+    end: SubstepEnd<'_, R>,
     exact: &mut ExactLinks,
     stops: &dyn Fn() -> bool,
 ) -> bool {
@@ -49,7 +49,7 @@ pub(in crate::physics) fn gains_energy<R: Real>(
 
 /// The end of a substep that is yet to be accepted.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct End<'a, R: Real> {
+pub(in crate::physics) struct SubstepEnd<'a, R: Real> {
     /// The velocities at the end, m/s.
     pub(in crate::physics) velocity: &'a [R::Vec3],
     /// The forces of the state without contact and hand, N.
@@ -62,26 +62,26 @@ pub(in crate::physics) struct End<'a, R: Real> {
 pub(in crate::physics) fn body_gains_energy<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
-    end: End<'_, R>,
+    end: SubstepEnd<'_, R>,
     exact: &mut ExactLinks,
     stops: &dyn Fn() -> bool,
 ) -> bool {
     let Substep { model, state, dt, grab, .. } = substep;
-    let End { velocity, force, contacts } = end;
+    let SubstepEnd { velocity, force, contacts } = end;
     let body = &model.bodies[number];
     let [first, after] = [body.particles.start, body.particles.end]
         .map(|particle| contacts.partition_point(|contact| contact.particle < particle));
     let own = &contacts[first..after];
-    let (kinetic, gained, work) = of_particles(body, dt.to_f64(), state, force, velocity);
-    let there = (kinetic - gained - work).max(0.0);
-    let (stored, carried, turned_over) = of_contacts(body, own, dt, velocity);
+    let (kinetic, gained, work) = particle_energy(body, dt.to_f64(), state, force, velocity);
+    let kinetic_at_start = (kinetic - gained - work).max(0.0);
+    let (stored, carried, total_contact_work) = contact_energy(body, own, dt, velocity);
     let pulled =
-        grab.filter(|grab| grab.body == number).map_or(0.0, |grab| work_of(grab, body, dt.to_f64(), state, velocity));
+        grab.filter(|grab| grab.body == number).map_or(0.0, |grab| grab_work(grab, body, dt.to_f64(), state, velocity));
     let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
     let unfolded = recovery::energy_past_work(body, &state.bodies[number], own, dt);
     let from_nowhere =
-        gained + of_links(substep, number, velocity, exact, stops) + unfolded + stored - carried - pulled;
-    let bearable = ROUNDING * kinetic + UNSOLVED * turned_over.min(there);
+        gained + link_energy_gain(substep, number, velocity, exact, stops) + unfolded + stored - carried - pulled;
+    let bearable = ROUNDING * kinetic + UNSOLVED_WORK_SHARE * total_contact_work.min(kinetic_at_start);
     // A NaN counts as energy from nowhere.
     from_nowhere.is_nan()
         || from_nowhere > bearable && from_nowhere > bearable + rounding(substep, number, velocity, exact, stops)
@@ -91,7 +91,7 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
 /// dividing the substep does not bring it below what little kinetic energy there is.
 ///
 /// ```text
-/// force      f dt (|vᵢ| + |vⱼ|) SUMMED ε             the forces that are worked with are not those of the links
+/// force      f dt (|vᵢ| + |vⱼ|) SUMMATION_ERROR ε    the forces that are worked with are not those of the links
 /// velocity   ½ (dt² k/l0 + ½ dt d/l0) w²,  w = ½ ε (|vᵢ| + |vⱼ|)     the ends of a link miss their velocities by w
 /// ```
 ///
@@ -105,7 +105,7 @@ fn rounding<R: Real>(
     stops: &dyn Fn() -> bool,
 ) -> f64 {
     let (epsilon, dt) = (R::EPSILON.to_f64(), substep.dt.to_f64());
-    let [of_force, of_velocity] = [SUMMED, 0.5].map(|share| share * epsilon);
+    let [of_force, of_velocity] = [SUMMATION_ERROR, 0.5].map(|share| share * epsilon);
     exact.sum(substep, number, velocity, LinkSum::Rounding { of_force, of_velocity }, stops, |[from, to], link| {
         let speeds = from.length() + to.length();
         let force = link.stiffness * (link.d.length() * link.inverse_rest_length - 1.0).abs();
@@ -116,7 +116,7 @@ fn rounding<R: Real>(
 }
 
 /// Returns the kinetic energy at the end, its gain beyond the work of the forces, and that work, J.
-fn of_particles<R: Real>(
+fn particle_energy<R: Real>(
     body: &BodyModel<R>,
     dt: f64,
     state: &State<R>,
@@ -134,14 +134,14 @@ fn of_particles<R: Real>(
 
 /// Returns the energy that contact stores, the work that moving obstacles do, and the sum of the sizes of all work of
 /// contact, J.
-fn of_contacts<R: Real>(
+fn contact_energy<R: Real>(
     body: &BodyModel<R>,
     contacts: &[ContactRecord<R>],
     dt: R,
     velocity: &[R::Vec3],
 ) -> (f64, f64, f64) {
     let dt = dt.to_f64();
-    contacts.iter().fold((0.0, 0.0, 0.0), |(stored, carried, turned_over), contact| {
+    contacts.iter().fold((0.0, 0.0, 0.0), |(stored, carried, total_contact_work), contact| {
         let [velocity, surface] = [velocity[contact.particle], contact.surface_velocity].map(Vector::to_dvec3);
         let spring = body.contacts[contact.obstacle].to_f64();
         let gap = contact.gap.to_f64();
@@ -150,13 +150,13 @@ fn of_contacts<R: Real>(
         (
             stored + spring.energy(-later) - spring.energy(-gap),
             carried + dt * force.dot(surface),
-            turned_over + dt * force.dot(velocity).abs(),
+            total_contact_work + dt * force.dot(velocity).abs(),
         )
     })
 }
 
 /// Returns the energy that the links gain less the work against their forces at the beginning, J.
-fn of_links<R: Real>(
+fn link_energy_gain<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
     velocity: &[R::Vec3],
@@ -181,7 +181,7 @@ fn of_links<R: Real>(
 }
 
 /// Returns the work of a hand, J.
-fn work_of<R: Real>(grab: &Grab<R>, body: &BodyModel<R>, dt: f64, state: &State<R>, velocity: &[R::Vec3]) -> f64 {
+fn grab_work<R: Real>(grab: &Grab<R>, body: &BodyModel<R>, dt: f64, state: &State<R>, velocity: &[R::Vec3]) -> f64 {
     let own = body.particles.clone();
     let away = (grab.target - grab.mean_of(&state.position[own.clone()], own.start)).to_dvec3();
     let speed = grab.mean_of(&velocity[own.clone()], own.start).to_dvec3();

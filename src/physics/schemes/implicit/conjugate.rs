@@ -7,20 +7,20 @@ use super::matrix::Factor;
 use super::system::{ImplicitWorkspace, System};
 use super::vectors::{add_scaled, dot, scale, scale_and_add};
 use crate::math::Real;
-use crate::physics::forces::particles::hold_pinned;
+use crate::physics::forces::particles::zero_pinned;
 
 /// The most iterations of one solve: some twenty times what a stiff body takes.
-const MOST_ITERATIONS: u64 = 400;
+const MAX_ITERATIONS: u64 = 400;
 
 /// The tolerance of a solution, as a share of the body's momentum or of the right-hand side, whichever is smaller.
 const TOLERANCE: f64 = 1e-4;
 
 /// The smallest tolerance, as a share of the right-hand side, however slow the body: a body held by friction on a slope
 /// would creep by the residual.
-const FINEST_TOLERANCE: f64 = 1e-7;
+const MIN_TOLERANCE: f64 = 1e-7;
 
 /// The tolerance of a rough solution, as a share of the residual at the start of its round.
-const ROUGH: f64 = 0.1;
+const ROUGH_TOLERANCE: f64 = 0.1;
 
 /// How accurately equations are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +61,7 @@ impl<R: Real> System<'_, R> {
         for constraint in &mut *self.constraints {
             constraint.stiffen_depth_limit(self.workspace.diagonal[constraint.particle - self.body.particles.start]);
         }
-        (moving.min(known) * TOLERANCE * TOLERANCE).max(known * FINEST_TOLERANCE * FINEST_TOLERANCE)
+        (moving.min(known) * TOLERANCE * TOLERANCE).max(known * MIN_TOLERANCE * MIN_TOLERANCE)
     }
 
     /// Writes the residual of the equations, with the impulses of contact if `touched`.
@@ -80,23 +80,23 @@ impl<R: Real> System<'_, R> {
     }
 
     /// Runs conjugate gradients with the constraints as they are, until the accuracy is reached or it `stops`.
-    pub(super) fn iterate(&mut self, enough: f64, accuracy: Accuracy, stops: &dyn Fn() -> bool) -> Solve {
+    pub(super) fn iterate(&mut self, squared_tolerance: f64, accuracy: Accuracy, stops: &dyn Fn() -> bool) -> Solve {
         let count = self.body.particles.len();
         self.find_residual(true);
         self.precondition();
         self.workspace.before[..count].copy_from_slice(&self.workspace.velocity[..count]);
         self.workspace.residual_before[..count].copy_from_slice(&self.workspace.residual[..count]);
-        let mut missed = self.scale_residual();
+        let mut squared_residual = self.scale_residual();
         let goal = match accuracy {
-            Accuracy::Full => enough,
-            Accuracy::Rough => enough.max(ROUGH * ROUGH * missed),
+            Accuracy::Full => squared_tolerance,
+            Accuracy::Rough => squared_tolerance.max(ROUGH_TOLERANCE * ROUGH_TOLERANCE * squared_residual),
         };
-        self.add_coarse();
+        self.add_coarse_correction();
         let level = self.level;
         let mut size = dot(level, &self.workspace.residual[..count], &self.workspace.scaled[..count]);
         self.workspace.search[..count].copy_from_slice(&self.workspace.scaled[..count]);
         let mut iterations = 0;
-        while iterations < MOST_ITERATIONS && missed > goal {
+        while iterations < MAX_ITERATIONS && squared_residual > goal {
             if stops() {
                 break;
             }
@@ -113,8 +113,8 @@ impl<R: Real> System<'_, R> {
             let length = size / curvature;
             add_scaled(level, length, &search[..count], &mut velocity[..count]);
             add_scaled(level, -length, &product[..count], &mut residual[..count]);
-            missed = self.scale_residual();
-            self.add_coarse();
+            squared_residual = self.scale_residual();
+            self.add_coarse_correction();
             let smaller = dot(level, &self.workspace.residual[..count], &self.workspace.scaled[..count]);
             let keep = smaller / size;
             let ImplicitWorkspace { search, scaled, .. } = &mut *self.workspace;
@@ -122,7 +122,7 @@ impl<R: Real> System<'_, R> {
             size = smaller;
             iterations += 1;
         }
-        Solve { iterations, is_full: missed <= enough }
+        Solve { iterations, is_full: squared_residual <= squared_tolerance }
     }
 
     /// Makes the inverse blocks of touched particles, and passes contact on to the coarse grids.
@@ -138,7 +138,9 @@ impl<R: Real> System<'_, R> {
         }
         if let Some(grids) = self.workspace.grids[self.number].as_mut().filter(|_| self.uses_grids) {
             let first = self.body.particles.start;
-            grids.hold(self.constraints.iter().map(|constraint| (constraint.particle - first, *constraint.matrix())));
+            grids.set_resistance(
+                self.constraints.iter().map(|constraint| (constraint.particle - first, *constraint.matrix())),
+            );
         }
     }
 
@@ -157,13 +159,13 @@ impl<R: Real> System<'_, R> {
     }
 
     /// Adds the correction of the coarse grids for the residual.
-    fn add_coarse(&mut self) {
+    fn add_coarse_correction(&mut self) {
         let ImplicitWorkspace { grids, scaled, residual, .. } = &mut *self.workspace;
         let Some(grids) = grids[self.number].as_mut().filter(|_| self.uses_grids) else { return };
         let count = self.body.particles.len();
         let (residual, scaled) = (&mut residual[..count], &mut scaled[..count]);
-        hold_pinned(self.body, 0..count, residual);
+        zero_pinned(self.body, 0..count, residual);
         grids.correct(self.level, residual, scaled);
-        hold_pinned(self.body, 0..count, scaled);
+        zero_pinned(self.body, 0..count, scaled);
     }
 }

@@ -16,15 +16,15 @@ use crate::math::Real;
 use crate::physics::schemes::implicit::vectors::dot;
 
 /// A slope of the potential up to this share of the size of its first slope counts as level.
-const LEVEL: f64 = 0.1;
+const SLOPE_TOLERANCE: f64 = 0.1;
 
 /// Halvings of the way in the search for the least potential.
-const HALVINGS: usize = 40;
+const BISECTION_STEPS: usize = 40;
 
 impl<R: Real> System<'_, R> {
     /// Goes back from the last solution to the point of least potential on the way to it, unless that is near the end.
     /// Returns whether it is near the end.
-    pub(super) fn hold_back(&mut self) -> bool {
+    pub(super) fn line_search(&mut self) -> bool {
         if self.constraints.is_empty() {
             return true;
         }
@@ -48,12 +48,12 @@ impl<R: Real> System<'_, R> {
             });
             ends[0] + share * (ends[1] - ends[0]) - touched.sum::<f64>()
         };
-        let least = LEVEL * slope(0.0).abs();
+        let least = SLOPE_TOLERANCE * slope(0.0).abs();
         if slope(1.0) <= least {
             return true;
         }
         let [mut low, mut high] = [0.0, 1.0];
-        for _ in 0..HALVINGS {
+        for _ in 0..BISECTION_STEPS {
             let middle = 0.5 * (low + high);
             if slope(middle) > 0.0 {
                 high = middle;

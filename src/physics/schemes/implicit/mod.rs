@@ -40,7 +40,7 @@ use crate::physics::schemes::stepper::Stepper;
 use crate::physics::step::substep::Substep;
 
 /// The most solves, in which contact constraints may change between pushing, holding and leaving.
-const ROUNDS: usize = 16;
+const MAX_ROUNDS: usize = 16;
 
 /// The last of these rounds, which lead to a safe result whatever the others found.
 const CAREFUL_ROUNDS: usize = 2;
@@ -96,19 +96,19 @@ pub(super) fn solve<R: Real>(
         if recorder.has_stopped() {
             return;
         }
-        let enough = system.start();
+        let squared_tolerance = system.start();
         let mut is_rough = !system.constraints.is_empty();
-        for round in 1..=ROUNDS {
+        for round in 1..=MAX_ROUNDS {
             let accuracy = if is_rough && round <= ROUGH_ROUNDS { Accuracy::Rough } else { Accuracy::Full };
-            let solve = system.iterate(enough, accuracy, &|| recorder.stops());
+            let solve = system.iterate(squared_tolerance, accuracy, &|| recorder.stops());
             recorder.counters.solves += 1;
             recorder.counters.iterations += solve.iterations;
             if recorder.has_stopped() {
                 return;
             }
-            let went_all_the_way = round + CAREFUL_ROUNDS > ROUNDS || system.hold_back();
-            let again = system.reconsider(round + CAREFUL_ROUNDS >= ROUNDS);
-            let is_settled = went_all_the_way && !again;
+            let is_full_step = round + CAREFUL_ROUNDS > MAX_ROUNDS || system.line_search();
+            let must_solve_again = system.update_constraints(round + CAREFUL_ROUNDS >= MAX_ROUNDS);
+            let is_settled = is_full_step && !must_solve_again;
             if is_settled && (solve.is_full || accuracy == Accuracy::Full) {
                 break;
             }
@@ -121,7 +121,7 @@ pub(super) fn solve<R: Real>(
 
 /// The coarse grids pay if links resist with more than this many times the mass: without them iterations pass from particle
 /// to particle, and as many are needed as the body has cells, or more.
-const STIFF: f64 = 64.0;
+const STIFF_MASS_RATIO: f64 = 64.0;
 
 impl<R: Real> System<'_, R> {
     /// Prepares the coarse grids of a body if its equations are stiff, until it `stops`.
@@ -129,20 +129,20 @@ impl<R: Real> System<'_, R> {
         let Some(grids) = &mut self.workspace.grids[self.number] else { return };
         let count = self.body.particles.len();
         let resists: f64 = self.workspace.diagonal[..count].iter().sum();
-        self.uses_grids = resists > STIFF * self.body.total_mass().to_f64();
+        self.uses_grids = resists > STIFF_MASS_RATIO * self.body.total_mass().to_f64();
         if self.uses_grids {
             grids.prepare(self.body, families, self.dt, position, stops);
         }
     }
 
     /// Adapts every constraint to the solution. Returns whether the equations must be solved again.
-    fn reconsider(&mut self, carefully: bool) -> bool {
-        let mut again = false;
+    fn update_constraints(&mut self, carefully: bool) -> bool {
+        let mut must_solve_again = false;
         for constraint in &mut *self.constraints {
             let local = constraint.particle - self.body.particles.start;
-            again |= constraint.relinearize(self.workspace.velocity[local], carefully);
+            must_solve_again |= constraint.relinearize(self.workspace.velocity[local], carefully);
         }
-        again
+        must_solve_again
     }
 
     fn finish(&self, velocity: &mut [R::Vec3]) {

@@ -17,17 +17,17 @@
 //! Briggs, Henson and `McCormick`, "A Multigrid Tutorial", 2000, 2–4 and 8; Bramble, Pasciak and Xu, "Parallel multilevel
 //! preconditioners", 1990, for the sum; Müller et al., "Stable real-time deformations", 2002, for the rotations.
 
-mod around;
-mod bottom;
+mod coarsest;
 mod colours;
 mod grid;
+mod moments;
 mod parents;
 
 use glam::{DMat3, DVec3};
 
-use self::around::Around;
-use self::bottom::Bottom;
-use self::grid::{Grid, Parts, Share};
+use self::coarsest::CoarsestSolver;
+use self::grid::{CornerMatrices, CornerWeights, Grid};
+use self::moments::Moments;
 use self::parents::Parents;
 use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
@@ -35,17 +35,17 @@ use crate::physics::kernels::SimdLevel;
 use crate::physics::model::BodyModel;
 
 /// Links between two checks whether to stop: a hundredth of a second.
-const LINKS_A_LOOK: usize = 1 << 14;
+const LINKS_PER_STOP_CHECK: usize = 1 << 14;
 
 /// A body of fewer particles is solved as fast without coarse grids.
-const LEAST_PARTICLES: usize = 100;
+const MIN_PARTICLES: usize = 100;
 
 /// A body whose coarse corners fill less than one in this many places of their box has no coarse grids: vectors have an
 /// entry for every place.
-const MOST_PLACES_A_CORNER: usize = 8;
+const MAX_PLACES_PER_CORNER: usize = 8;
 
 /// A grid of at most this many corners is the coarsest.
-const FEW_CORNERS: usize = 36;
+const MAX_COARSEST_CORNERS: usize = 36;
 
 /// The coarse grids of one body, finest first. Vectors are in double precision: the motion of the whole body is a million
 /// times smaller than the terms that cancel to give it.
@@ -56,50 +56,50 @@ pub(super) struct Multigrid {
     /// The parents of the particles on the finest of these grids.
     parents: Parents,
     /// The particles around each of its corners, summed up, and how they have turned.
-    around: Vec<Around>,
+    moments: Vec<Moments>,
     rotations: Vec<DMat3>,
     /// The load of the finest grid's corners, N·s, and then their solution, m/s.
     load: Vec<DVec3>,
     grids: Vec<Grid>,
-    bottom: Bottom,
+    coarsest_solver: CoarsestSolver,
 }
 
 impl Multigrid {
     /// Returns the coarse grids of a body; none if they would not pay.
     pub(super) fn new<R: Real>(body: &BodyModel<R>) -> Option<Self> {
         let finest = &body.lattice.corners;
-        if finest.len() < LEAST_PARTICLES {
+        if finest.len() < MIN_PARTICLES {
             return None;
         }
         let (corners, of_particles) = parents::coarsened(finest);
         let count = corners.len();
         let most = |axis: usize| corners.iter().map(|corner| corner[axis] as usize + 1).max().unwrap_or(0);
-        if most(0) * most(1) * most(2) > MOST_PLACES_A_CORNER * count {
+        if most(0) * most(1) * most(2) > MAX_PLACES_PER_CORNER * count {
             return None;
         }
-        let (around, rotations, load) =
-            (vec![Around::NONE; count], vec![DMat3::IDENTITY; count], vec![DVec3::ZERO; count]);
+        let (moments, rotations, load) =
+            (vec![Moments::NONE; count], vec![DMat3::IDENTITY; count], vec![DVec3::ZERO; count]);
         let mut grids = Vec::new();
         let mut corners = corners;
-        while corners.len() > FEW_CORNERS {
+        while corners.len() > MAX_COARSEST_CORNERS {
             let (coarser, parents) = parents::coarsened(&corners);
             grids.push(Grid::new(corners, parents, &coarser));
             corners = coarser;
         }
-        let bottom = Bottom::new(corners.len());
+        let coarsest_solver = CoarsestSolver::new(corners.len());
         grids.push(Grid::new(corners, Parents::default(), &[]));
-        Some(Self { made_for: None, parents: of_particles, around, rotations, load, grids, bottom })
+        Some(Self { made_for: None, parents: of_particles, moments, rotations, load, grids, coarsest_solver })
     }
 
     /// Returns the memory of a body's grids, bytes, with one corner for eight particles inside and for four on the surface.
     pub(super) fn bytes(body: &LatticeCounts) -> usize {
-        if body.particles < LEAST_PARTICLES {
+        if body.particles < MIN_PARTICLES {
             return 0;
         }
         let corners = (body.particles - body.surface) / 8 + body.surface / 4;
         // The coarser grids together have a seventh of the finest.
-        let of_corner = (Grid::bytes_a_corner(MOST_PLACES_A_CORNER) + 4 * size_of::<u32>()) * 8 / 7
-            + size_of::<(Around, DMat3, DVec3)>();
+        let of_corner = (Grid::bytes_a_corner(MAX_PLACES_PER_CORNER) + 4 * size_of::<u32>()) * 8 / 7
+            + size_of::<(Moments, DMat3, DVec3)>();
         corners * of_corner + body.particles * 5 * size_of::<u32>()
     }
 
@@ -120,17 +120,17 @@ impl Multigrid {
                 return;
             }
         }
-        self.around.fill(Around::NONE);
+        self.moments.fill(Moments::NONE);
         for (particle, (x, corner)) in position.iter().zip(&body.lattice.corners).enumerate() {
             let (now, rest) = (x.to_dvec3(), DVec3::from_array(corner.map(f64::from)));
             let (corners, weight) = self.parents.of(particle);
             for &corner in corners {
-                self.around[corner as usize].add(weight, now, rest);
+                self.moments[corner as usize].add(weight, now, rest);
             }
         }
-        let whole = self.around.iter().fold(Around::NONE, Around::and).rotation().unwrap_or(DMat3::IDENTITY);
-        for (rotation, around) in self.rotations.iter_mut().zip(&self.around) {
-            *rotation = around.rotation().unwrap_or(whole);
+        let whole = self.moments.iter().fold(Moments::NONE, Moments::plus).rotation().unwrap_or(DMat3::IDENTITY);
+        for (rotation, moments) in self.rotations.iter_mut().zip(&self.moments) {
+            *rotation = moments.rotation().unwrap_or(whole);
         }
     }
 
@@ -143,11 +143,11 @@ impl Multigrid {
         let is_free = |particle: usize| if body.is_pinned(particle) { 0.0 } else { 1.0 };
         for particle in 0..body.particles.len() {
             let mass = is_free(particle) * body.mass(particle).to_f64();
-            finest.add(&Share::of(self.parents.of(particle), 1.0), &DMat3::from_diagonal(DVec3::splat(mass)));
+            finest.add(&CornerWeights::of(self.parents.of(particle), 1.0), &DMat3::from_diagonal(DVec3::splat(mass)));
         }
         for (family, _) in body.links.iter().zip(families).filter(|(_, chosen)| *chosen) {
             for (number, link) in family.links.iter().enumerate() {
-                if number % LINKS_A_LOOK == 0 && stops() {
+                if number % LINKS_PER_STOP_CHECK == 0 && stops() {
                     return false;
                 }
                 let ends = link.ends.map(|end| end as usize);
@@ -157,11 +157,11 @@ impl Multigrid {
                 let way = DVec3::from_array([0, 1, 2].map(|axis| f64::from(to[axis]) - f64::from(from[axis])));
                 let along = way * (1.0 / way.length());
                 let block = DMat3::from_cols(along * along.x, along * along.y, along * along.z) * resistance;
-                let [of_from, of_to] = ends.map(|end| Share::of(self.parents.of(end), is_free(end)));
+                let [of_from, of_to] = ends.map(|end| CornerWeights::of(self.parents.of(end), is_free(end)));
                 if (0..3).any(|axis| from[axis].abs_diff(to[axis]) > 1 && from[axis] % 2 == 1) {
                     // The link spans coarse corners that are two apart, between which the matrix has no entry. Two links
                     // replace it, by way of the corners between, which are parents of both its ends.
-                    let between = Share::common(ends.map(|end| self.parents.of(end)));
+                    let between = CornerWeights::common(ends.map(|end| self.parents.of(end)));
                     finest.add(&of_from.minus(&between), &(block * 2.0));
                     finest.add(&between.minus(&of_to), &(block * 2.0));
                 } else {
@@ -176,35 +176,35 @@ impl Multigrid {
             let (finer, rest) = self.grids.split_at_mut(coarser);
             rest[0].project(&finer[coarser - 1]);
         }
-        self.grids.iter_mut().for_each(Grid::take_over_all);
+        self.grids.iter_mut().for_each(Grid::copy_all_to_colours);
         true
     }
 
     /// Adds the resistance of contact to the matrices, kg, for free particles given by their local numbers, and removes that
     /// of the last call.
-    pub(super) fn hold(&mut self, touched: impl Iterator<Item = (usize, DMat3)>) {
-        let Self { grids, parents, rotations, bottom, .. } = self;
-        grids.iter_mut().for_each(Grid::release);
+    pub(super) fn set_resistance(&mut self, touched: impl Iterator<Item = (usize, DMat3)>) {
+        let Self { grids, parents, rotations, coarsest_solver, .. } = self;
+        grids.iter_mut().for_each(Grid::remove_resistance);
         for (particle, resistance) in touched {
-            let mut parts = Parts::NONE;
+            let mut parts = CornerMatrices::NONE;
             let (corners, weight) = parents.of(particle);
             for &corner in corners {
                 parts.add(corner, &(rotations[corner as usize] * weight));
             }
             for grid in &mut *grids {
-                grid.hold(&parts, &resistance);
+                grid.add_resistance(&parts, &resistance);
                 parts = grid.on_parents(&parts);
             }
         }
-        grids.iter_mut().for_each(Grid::take_over_held);
+        grids.iter_mut().for_each(Grid::copy_held_to_colours);
         if let Some(coarsest) = grids.last() {
-            bottom.factorise(coarsest);
+            coarsest_solver.factorise(coarsest);
         }
     }
 
     /// Adds the correction of the coarse grids for a residual, N·s, to the change of each particle's velocity, m/s.
     pub(super) fn correct(&mut self, level: SimdLevel, residual: &[DVec3], change: &mut [DVec3]) {
-        let Self { parents, rotations, grids, bottom, load, .. } = self;
+        let Self { parents, rotations, grids, coarsest_solver, load, .. } = self;
         level.run(
             #[inline(always)]
             || {
@@ -213,7 +213,7 @@ impl Multigrid {
                 for (number, (load, rotation)) in load.iter().zip(&*rotations).enumerate() {
                     finest.colours.set_load(number, rotation.transpose() * *load);
                 }
-                cycle(grids, bottom);
+                cycle(grids, coarsest_solver);
                 let Some(finest) = grids.first() else { return };
                 for (number, (solution, rotation)) in load.iter_mut().zip(&*rotations).enumerate() {
                     *solution = *rotation * finest.colours.solution(number);
@@ -249,20 +249,20 @@ fn prolong(parents: &Parents, solution: &[DVec3], change: &mut [DVec3]) {
 
 /// Solves roughly for the load of the finest grid: down to the coarsest, and back.
 #[inline(always)]
-fn cycle(grids: &mut [Grid], bottom: &mut Bottom) {
+fn cycle(grids: &mut [Grid], coarsest_solver: &mut CoarsestSolver) {
     for finer in 1..grids.len() {
         if let [.., grid, next] = &mut grids[..=finer] {
-            grid.colours.forth();
+            grid.colours.sweep_forward();
             grid.colours.restrict(&mut next.colours);
         }
     }
     if let Some(coarsest) = grids.last_mut() {
-        bottom.solve(&mut coarsest.colours);
+        coarsest_solver.solve(&mut coarsest.colours);
     }
     for finer in (1..grids.len()).rev() {
         if let [.., grid, next] = &mut grids[..=finer] {
             grid.colours.prolong(&next.colours);
-            grid.colours.back();
+            grid.colours.sweep_backward();
         }
     }
 }
@@ -349,7 +349,7 @@ mod tests {
                 for resistance in [0.0, 1.0, 1e4] {
                     let matrix = DMat3::from_diagonal(DVec3::new(0.0, resistance, 0.0));
                     let free = (0..body.particles.len()).filter(|particle| !body.is_pinned(*particle));
-                    grids.hold(free.step_by(17).map(|particle| (particle, matrix)));
+                    grids.set_resistance(free.step_by(17).map(|particle| (particle, matrix)));
                     let [a, b] = [0; 2].map(|_| random(body.particles.len(), &mut rng));
                     let [of_a, of_b] = [&a, &b].map(|residual| corrected(&mut grids, residual));
                     let (one, other) = (dot(&a, &of_b), dot(&b, &of_a));
@@ -367,7 +367,7 @@ mod tests {
         let (body, position) = (&simulation.model().bodies[0], &simulation.state().position);
         let mut grids = Multigrid::new(body).expect("large enough");
         grids.prepare(body, [true; 3], DT, position, &|| false);
-        grids.hold(std::iter::empty());
+        grids.set_resistance(std::iter::empty());
         let push = DVec3::new(0.3, -0.2, 0.5);
         let residual: Vec<_> = (0..body.particles.len()).map(|particle| push * body.mass(particle)).collect();
         let found = corrected(&mut grids, &residual);
@@ -375,9 +375,9 @@ mod tests {
         assert!(furthest < 0.05 * push.length(), "{furthest} of {} m/s off", push.length());
         let middle = body.particles.len() / 2;
         let held = DMat3::from_diagonal(DVec3::splat(1e9));
-        grids.hold(std::iter::once((middle, held)));
+        grids.set_resistance(std::iter::once((middle, held)));
         assert!(corrected(&mut grids, &residual)[middle].length() < 0.05 * push.length(), "contact holds it");
-        grids.hold(std::iter::empty());
+        grids.set_resistance(std::iter::empty());
         assert_eq!(corrected(&mut grids, &residual), found, "let go, it is as before to the bit");
     }
 
@@ -395,7 +395,7 @@ mod tests {
                 assert_eq!(grids.made_for, None, "it was stopped after {looks} looks");
             }
             grids.prepare(body, [true; 3], DT, position, &|| false);
-            grids.hold(std::iter::empty());
+            grids.set_resistance(std::iter::empty());
             corrected(&mut grids, &residual)
         };
         assert_eq!(made(&[0, 5, 20]), made(&[]));

@@ -7,16 +7,16 @@ use crate::math::{components, components_mut};
 use crate::physics::kernels::SimdLevel;
 
 /// Partial sums of a sum.
-const PARTS: usize = 8;
+const PARTIAL_SUMS: usize = 8;
 
 /// Returns the inner product.
 pub(super) fn dot(level: SimdLevel, a: &[DVec3], b: &[DVec3]) -> f64 {
     level.run(
         #[inline(always)]
         || {
-            let (a, a_rest) = components::<f64>(a).as_chunks::<PARTS>();
-            let (b, b_rest) = components::<f64>(b).as_chunks::<PARTS>();
-            let mut sums = [0.0; PARTS];
+            let (a, a_rest) = components::<f64>(a).as_chunks::<PARTIAL_SUMS>();
+            let (b, b_rest) = components::<f64>(b).as_chunks::<PARTIAL_SUMS>();
+            let mut sums = [0.0; PARTIAL_SUMS];
             for (a, b) in a.iter().zip(b) {
                 add_products(a, b, &mut sums);
             }
@@ -65,13 +65,13 @@ pub(super) fn scale_and_add(level: SimdLevel, factor: f64, by: &[DVec3], to: &mu
 }
 
 #[inline(always)]
-fn add_products(a: &[f64], b: &[f64], sums: &mut [f64; PARTS]) {
+fn add_products(a: &[f64], b: &[f64], sums: &mut [f64; PARTIAL_SUMS]) {
     for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
         *sum += a * b;
     }
 }
 
-fn sum_of([a, b, c, d, e, f, g, h]: &[f64; PARTS]) -> f64 {
+fn sum_of([a, b, c, d, e, f, g, h]: &[f64; PARTIAL_SUMS]) -> f64 {
     ((a + b) + (c + d)) + ((e + f) + (g + h))
 }
 

@@ -136,8 +136,8 @@ impl Colours {
                 this.places[number] =
                     Place { at: as_u32(colour * length + place), group: as_u32(group), lane: as_u32(lane) };
                 let near = |step: &usize| {
-                    let there =
-                        [0, 1, 2].map(|axis| (corners[number][axis] as usize + along(*step, axis)).checked_sub(1));
+                    let there = [0, 1, 2]
+                        .map(|axis| (corners[number][axis] as usize + step_component(*step, axis)).checked_sub(1));
                     let [Some(x), Some(y), Some(z)] = there.map(|at| at.map(as_u32)) else { return false };
                     find(corners, [x, y, z]).is_some()
                 };
@@ -159,7 +159,7 @@ impl Colours {
     fn offset(&self, colour: usize, step: usize) -> usize {
         let (mut ahead, mut back) = (neighbour(colour, step) * self.length, 0);
         for axis in 0..3 {
-            match (along(step, axis), colour >> axis & 1) {
+            match (step_component(step, axis), colour >> axis & 1) {
                 // One less than an even corner is the odd one before, one more than an odd one the next even one.
                 (0, 0) => back += self.strides[axis],
                 (2, 1) => ahead += self.strides[axis],
@@ -245,7 +245,7 @@ impl Colours {
     /// Relaxes all corners from a solution of zero, in the order of colours. What the later colours do to a corner remains
     /// as its residual.
     #[inline(always)]
-    pub(super) fn forth(&mut self) {
+    pub(super) fn sweep_forward(&mut self) {
         for of in self.solution.iter_mut().chain(&mut self.residual) {
             of.fill(0.0);
         }
@@ -279,7 +279,7 @@ impl Colours {
 
     /// Relaxes all corners against the order of colours. Uses up the load.
     #[inline(always)]
-    pub(super) fn back(&mut self) {
+    pub(super) fn sweep_backward(&mut self) {
         for colour in (0..COLOURS).rev() {
             let own = colour * self.length;
             let [load_x, load_y, load_z] = &mut self.load;
@@ -308,13 +308,13 @@ impl Colours {
         }
     }
 
-    /// Hands the residual after [`Self::forth`] on to the next coarser grid.
+    /// Hands the residual after [`Self::sweep_forward`] on to the next coarser grid.
     #[inline(always)]
     pub(super) fn restrict(&mut self, coarser: &mut Self) {
         for (left, coarse) in self.residual.iter().zip(&mut self.coarse) {
             coarse.fill(0.0);
             let places = self.margin..self.length - self.margin - LANES;
-            for Hanging { colour, ahead, weight } in hanging(self.strides) {
+            for Interpolation { colour, ahead, weight } in interpolations(self.strides) {
                 let left = &left[colour * self.length..][places.start - ahead..];
                 for (to, left) in coarse[places.clone()].iter_mut().zip(left) {
                     *to += *left * weight;
@@ -338,7 +338,7 @@ impl Colours {
         }
         for (coarse, solution) in self.coarse.iter().zip(&mut self.solution) {
             let places = self.margin..self.length - self.margin - LANES;
-            for Hanging { colour, ahead, weight } in hanging(self.strides) {
+            for Interpolation { colour, ahead, weight } in interpolations(self.strides) {
                 let solution = &mut solution[colour * self.length..][places.clone()];
                 for (to, coarse) in solution.iter_mut().zip(&coarse[places.start + ahead..]) {
                     *to += *coarse * weight;
@@ -350,7 +350,7 @@ impl Colours {
 
 /// How corners of a colour are interpolated from those of the next coarser grid.
 #[derive(Clone, Copy, Debug)]
-struct Hanging {
+struct Interpolation {
     colour: usize,
     /// How far the coarse corner's place is past the corner's.
     ahead: usize,
@@ -359,12 +359,12 @@ struct Hanging {
 
 /// Returns all pairs of a corner's colour and a coarse corner: along each axis along which it is odd a corner lies between
 /// two coarse ones.
-fn hanging(strides: [usize; 3]) -> impl Iterator<Item = Hanging> {
+fn interpolations(strides: [usize; 3]) -> impl Iterator<Item = Interpolation> {
     (0..COLOURS).flat_map(move |colour| {
         let weight = [1.0, 0.5, 0.25, 0.125][colour.count_ones() as usize];
         (0..COLOURS).filter(move |past| past & !colour == 0).map(move |past| {
             let ahead = (0..3).filter(|axis| past >> axis & 1 == 1).map(|axis| strides[axis]).sum();
-            Hanging { colour, ahead, weight }
+            Interpolation { colour, ahead, weight }
         })
     })
 }
@@ -375,13 +375,13 @@ fn colour_of(corner: [u32; 3]) -> usize {
 }
 
 /// Returns a component of a step, plus one.
-fn along(step: usize, axis: usize) -> usize {
+fn step_component(step: usize, axis: usize) -> usize {
     step / [1, 3, 9][axis] % 3
 }
 
 /// Returns the colour of a corner's neighbour.
 fn neighbour(colour: usize, step: usize) -> usize {
-    (0..3).filter(|axis| along(step, *axis) != 1).fold(colour, |colour, axis| colour ^ 1 << axis)
+    (0..3).filter(|axis| step_component(step, *axis) != 1).fold(colour, |colour, axis| colour ^ 1 << axis)
 }
 
 fn as_u32(of: usize) -> u32 {

@@ -10,7 +10,7 @@ use super::parents::{Parents, find};
 const ROW: usize = 14;
 
 /// The place of the corner itself.
-const SELF: usize = ROW - 1;
+const DIAGONAL: usize = ROW - 1;
 
 /// A coarse grid.
 #[derive(Clone, Debug)]
@@ -20,7 +20,7 @@ pub(super) struct Grid {
     /// Their parents on the next coarser grid; none on the coarsest.
     pub(super) parents: Parents,
     /// The numbers of the neighbours that come before; the corner's own number where there is none.
-    near: Vec<[u32; SELF]>,
+    near: Vec<[u32; DIAGONAL]>,
     /// The rows of the matrix up to the diagonal, kg; zero where there is no neighbour.
     rows: Vec<[DMat3; ROW]>,
     /// The matrix and the vectors in the form that sweeps use.
@@ -34,7 +34,10 @@ impl Grid {
     /// Returns the memory of a corner in a box with this many places for each, bytes; the rows kept for contact are left
     /// out.
     pub(super) const fn bytes_a_corner(places: usize) -> usize {
-        size_of::<[u32; 3]>() + size_of::<[u32; SELF]>() + size_of::<[DMat3; ROW]>() + Colours::bytes_a_corner(places)
+        size_of::<[u32; 3]>()
+            + size_of::<[u32; DIAGONAL]>()
+            + size_of::<[DMat3; ROW]>()
+            + Colours::bytes_a_corner(places)
     }
 
     /// Makes a grid without a matrix, with its parents on the next coarser one, whose corners are `coarser`.
@@ -65,14 +68,14 @@ impl Grid {
 
     /// Makes the matrix zero.
     pub(super) fn clear(&mut self) {
-        self.release();
+        self.remove_resistance();
         self.rows.fill([DMat3::ZERO; ROW]);
     }
 
-    /// Adds `w wᵀ block`, where w is the share.
-    pub(super) fn add(&mut self, share: &Share, block: &DMat3) {
-        for &(row, factor) in share.parts() {
-            for &(column, other) in share.parts() {
+    /// Adds `w wᵀ block`, where w are the weights.
+    pub(super) fn add(&mut self, weights: &CornerWeights, block: &DMat3) {
+        for &(row, factor) in weights.parts() {
+            for &(column, other) in weights.parts() {
                 if column <= row {
                     let place = self.place(row, column);
                     self.rows[row as usize][place] += *block * (factor * other);
@@ -113,22 +116,22 @@ impl Grid {
     }
 
     /// Copies the matrix to where it is swept.
-    pub(super) fn take_over_all(&mut self) {
-        (0..self.corners.len()).for_each(|number| self.take_over(number));
+    pub(super) fn copy_all_to_colours(&mut self) {
+        (0..self.corners.len()).for_each(|number| self.copy_to_colours(number));
     }
 
     /// Removes the resistance of contact.
-    pub(super) fn release(&mut self) {
+    pub(super) fn remove_resistance(&mut self) {
         while let Some((number, row)) = self.free.pop() {
             let number = number as usize;
             (self.rows[number], self.is_held[number]) = (row, false);
-            self.take_over(number);
+            self.copy_to_colours(number);
         }
     }
 
     /// Adds the resistance of contact, kg, of a particle whose velocity is the sum of `parts` times those of corners.
-    /// [`Self::take_over_held`] passes it on to sweeps.
-    pub(super) fn hold(&mut self, parts: &Parts, resistance: &DMat3) {
+    /// [`Self::copy_held_to_colours`] passes it on to sweeps.
+    pub(super) fn add_resistance(&mut self, parts: &CornerMatrices, resistance: &DMat3) {
         for (row, by_row) in parts.all() {
             let number = *row as usize;
             if !self.is_held[number] {
@@ -146,15 +149,15 @@ impl Grid {
     }
 
     /// Copies the rows where contact resists to where they are swept.
-    pub(super) fn take_over_held(&mut self) {
+    pub(super) fn copy_held_to_colours(&mut self) {
         for at in 0..self.free.len() {
-            self.take_over(self.free[at].0 as usize);
+            self.copy_to_colours(self.free[at].0 as usize);
         }
     }
 
     /// Returns a sum over corners as one over their parents.
-    pub(super) fn on_parents(&self, parts: &Parts) -> Parts {
-        let mut sum = Parts::NONE;
+    pub(super) fn on_parents(&self, parts: &CornerMatrices) -> CornerMatrices {
+        let mut sum = CornerMatrices::NONE;
         if self.parents.len() == 0 {
             return sum;
         }
@@ -170,18 +173,18 @@ impl Grid {
     /// Returns a corner's row of the matrix up to the diagonal, with the numbers of the columns.
     pub(super) fn row(&self, number: usize) -> impl Iterator<Item = (usize, DMat3)> {
         let before = self.near[number].iter().map(|near| *near as usize).zip(self.rows[number]);
-        before.filter(move |(near, _)| *near != number).chain([(number, self.rows[number][SELF])])
+        before.filter(move |(near, _)| *near != number).chain([(number, self.rows[number][DIAGONAL])])
     }
 
     /// Copies the row of a corner to where it is swept.
-    fn take_over(&mut self, number: usize) {
+    fn copy_to_colours(&mut self, number: usize) {
         let row = &self.rows[number];
         for (step, (near, block)) in self.near[number].iter().zip(row).enumerate() {
             if *near as usize != number {
                 self.colours.set([number, *near as usize], step, block);
             }
         }
-        self.colours.set_inverse(number, &inverted(&row[SELF]));
+        self.colours.set_inverse(number, &inverted(&row[DIAGONAL]));
     }
 }
 
@@ -192,31 +195,31 @@ fn inverted(block: &DMat3) -> DMat3 {
 
 /// A sum over corners, each with its factor: up to eight, and as many from another sum.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Share {
+pub(super) struct CornerWeights {
     parts: [(u32, f64); 16],
     count: usize,
 }
 
-impl Share {
+impl CornerWeights {
     /// Returns the mean of parents, times a factor.
     pub(super) fn of((corners, weight): (&[u32], f64), factor: f64) -> Self {
-        let mut share = Self { parts: [(0, 0.0); 16], count: 0 };
+        let mut weights = Self { parts: [(0, 0.0); 16], count: 0 };
         for &corner in corners {
-            share.put(corner, weight * factor);
+            weights.add(corner, weight * factor);
         }
-        share
+        weights
     }
 
     /// Returns the mean of the parents that two corners have in common.
     pub(super) fn common([(one, _), (other, _)]: [(&[u32], f64); 2]) -> Self {
-        let mut share = Self::of((&[], 0.0), 0.0);
-        one.iter().filter(|corner| other.contains(corner)).for_each(|&corner| share.put(corner, 1.0));
-        let weight = 1.0 / share.count as f64;
-        share.parts.iter_mut().for_each(|(_, factor)| *factor *= weight);
-        share
+        let mut weights = Self::of((&[], 0.0), 0.0);
+        one.iter().filter(|corner| other.contains(corner)).for_each(|&corner| weights.add(corner, 1.0));
+        let weight = 1.0 / weights.count as f64;
+        weights.parts.iter_mut().for_each(|(_, factor)| *factor *= weight);
+        weights
     }
 
-    fn put(&mut self, corner: u32, factor: f64) {
+    fn add(&mut self, corner: u32, factor: f64) {
         if let Some((_, sum)) = self.parts[..self.count].iter_mut().find(|(known, _)| *known == corner) {
             *sum += factor;
         } else {
@@ -226,7 +229,7 @@ impl Share {
     }
 
     pub(super) fn minus(mut self, other: &Self) -> Self {
-        other.parts().iter().for_each(|&(corner, factor)| self.put(corner, -factor));
+        other.parts().iter().for_each(|&(corner, factor)| self.add(corner, -factor));
         self
     }
 
@@ -237,12 +240,12 @@ impl Share {
 
 /// A sum over corners, each with its matrix: the velocity of a particle, whose corners lie about one cell of every grid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Parts {
+pub(super) struct CornerMatrices {
     parts: [(u32, DMat3); 8],
     count: usize,
 }
 
-impl Parts {
+impl CornerMatrices {
     pub(super) const NONE: Self = Self { parts: [(0, DMat3::ZERO); 8], count: 0 };
 
     pub(super) fn add(&mut self, corner: u32, part: &DMat3) {

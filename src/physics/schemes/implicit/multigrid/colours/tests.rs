@@ -77,7 +77,7 @@ fn difference(colours: &mut Colours, matrix: &Matrix) -> f64 {
     let count = matrix.corners.len();
     let load: Vec<_> = (0..count).map(|_| DVec3::from([0; 3].map(|_| rng.between(-1.0, 1.0)))).collect();
     (0..count).for_each(|number| colours.set_load(number, load[number]));
-    colours.forth();
+    colours.sweep_forward();
     let mut solution = vec![DVec3::ZERO; count];
     matrix.relax(&load, &mut solution, true);
     let forth = furthest((0..count).map(|number| colours.solution(number)), &solution);
@@ -85,7 +85,7 @@ fn difference(colours: &mut Colours, matrix: &Matrix) -> f64 {
     let left: Vec<_> =
         (0..count).map(|number| -matrix.on(number, &solution, |other| colour(other) > colour(number))).collect();
     let residual = furthest((0..count).map(|number| colours.at(&colours.residual, number)), &left);
-    colours.back();
+    colours.sweep_backward();
     matrix.relax(&load, &mut solution, false);
     let back = furthest((0..count).map(|number| colours.solution(number)), &solution);
     forth.max(residual).max(back)

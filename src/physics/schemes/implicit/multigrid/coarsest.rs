@@ -6,17 +6,17 @@ use super::colours::Colours;
 use super::grid::Grid;
 
 /// A pivot below this share of its diagonal is rounding error: only pinned particles belong to its row.
-const HELD: f64 = 1e-12;
+const PIVOT_TOLERANCE: f64 = 1e-12;
 
 /// The factor of a symmetric matrix, by rows: the lower triangle.
 #[derive(Clone, Debug)]
-pub(super) struct Bottom {
+pub(super) struct CoarsestSolver {
     factor: Vec<f64>,
     /// The solution, as numbers.
     values: Vec<f64>,
 }
 
-impl Bottom {
+impl CoarsestSolver {
     /// Allocates room for a grid of this many corners.
     pub(super) fn new(corners: usize) -> Self {
         let rows = 3 * corners;
@@ -42,7 +42,7 @@ impl Bottom {
             }
             let pivot = own[i] - dot(&own[..i], &own[..i]);
             // The diagonal holds its inverse: zero for a row of pinned particles.
-            own[i] = if pivot > HELD * own[i] { 1.0 / pivot.sqrt() } else { 0.0 };
+            own[i] = if pivot > PIVOT_TOLERANCE * own[i] { 1.0 / pivot.sqrt() } else { 0.0 };
         }
     }
 

@@ -8,21 +8,21 @@
 #![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 #![expect(clippy::needless_range_loop, reason = "one place of many arrays at a time, as vector instructions go")]
 
-use super::edges::{THRESHOLD, WATCH};
+use super::edges::{VOLUME_THRESHOLD, WATCH_MARGIN};
 use crate::math::{Real, components};
 use crate::physics::kernels::SimdLevel;
 
 /// Cells that are checked at a time.
-const RUN: usize = 16;
+const CELLS_PER_RUN: usize = 16;
 
 /// One number for each cell of a run.
-type Lanes<R> = [R; RUN];
+type Lanes<R> = [R; CELLS_PER_RUN];
 
 /// The corners of a run by row, component and place: row 0 is low in y and z, row 1 high in y, row 2 in z, row 3 in both.
-type Rows<R> = [[[R; RUN + 1]; 3]; 4];
+type Rows<R> = [[[R; CELLS_PER_RUN + 1]; 3]; 4];
 
 /// Lists the numbers of the cells that are near inversion, ascending. `position` is the body's own, m.
-pub(super) fn write_down<R: Real>(
+pub(super) fn list_near_inversion<R: Real>(
     level: SimdLevel,
     cells: &[[u32; 8]],
     position: &[R::Vec3],
@@ -33,7 +33,7 @@ pub(super) fn write_down<R: Real>(
     level.run(
         #[inline(always)]
         || {
-            let (mut rows, mut left, mut number) = ([[[R::ZERO; RUN + 1]; 3]; 4], cells, 0);
+            let (mut rows, mut left, mut number) = ([[[R::ZERO; CELLS_PER_RUN + 1]; 3]; 4], cells, 0);
             while !left.is_empty() {
                 let run = run_length(left);
                 gather(flat, &left[0], run, &mut rows);
@@ -53,7 +53,7 @@ pub(super) fn write_down<R: Real>(
 /// the one before, and the corner numbers go up by one.
 #[inline(always)]
 fn run_length(cells: &[[u32; 8]]) -> usize {
-    let most = cells.len().min(RUN);
+    let most = cells.len().min(CELLS_PER_RUN);
     let mut run = 1;
     while run < most {
         let [this, next] = [&cells[run - 1], &cells[run]];
@@ -92,12 +92,12 @@ fn gather<R: Real>(flat: &[R], first: &[u32; 8], run: usize, rows: &mut Rows<R>)
 
 /// Whether each cell of a run is near inversion.
 #[inline(always)]
-fn are_near<R: Real>(rows: &Rows<R>, inverse_cell_size: R) -> [bool; RUN] {
+fn are_near<R: Real>(rows: &Rows<R>, inverse_cell_size: R) -> [bool; CELLS_PER_RUN] {
     let quarter = R::from_f64(0.25) * inverse_cell_size;
-    let mut edges = [[[R::ZERO; RUN]; 3]; 3];
+    let mut edges = [[[R::ZERO; CELLS_PER_RUN]; 3]; 3];
     for c in 0..3 {
         let [r0, r1, r2, r3] = [&rows[0][c], &rows[1][c], &rows[2][c], &rows[3][c]];
-        for at in 0..RUN {
+        for at in 0..CELLS_PER_RUN {
             let next = at + 1;
             let along_x = [r0[next] - r0[at], r1[next] - r1[at], r2[next] - r2[at], r3[next] - r3[at]];
             let along_y = [r1[at] - r0[at], r1[next] - r0[next], r3[at] - r2[at], r3[next] - r2[next]];
@@ -108,13 +108,14 @@ fn are_near<R: Real>(rows: &Rows<R>, inverse_cell_size: R) -> [bool; RUN] {
         }
     }
     let [a, b, c] = &edges;
-    let (mut first, mut second, mut third) = ([[R::ZERO; RUN]; 3], [[R::ZERO; RUN]; 3], [[R::ZERO; RUN]; 3]);
+    let (mut first, mut second, mut third) =
+        ([[R::ZERO; CELLS_PER_RUN]; 3], [[R::ZERO; CELLS_PER_RUN]; 3], [[R::ZERO; CELLS_PER_RUN]; 3]);
     cross(b, c, &mut first);
     cross(c, a, &mut second);
     cross(a, b, &mut third);
-    let (threshold, watched) = (R::from_f64(THRESHOLD), R::from_f64(WATCH * WATCH));
-    let mut are_near = [false; RUN];
-    for at in 0..RUN {
+    let (threshold, watched) = (R::from_f64(VOLUME_THRESHOLD), R::from_f64(WATCH_MARGIN * WATCH_MARGIN));
+    let mut are_near = [false; CELLS_PER_RUN];
+    for at in 0..CELLS_PER_RUN {
         let above = -(threshold - dot(a, &first, at));
         let mut largest = R::ONE;
         for face in [&first, &second, &third] {
@@ -129,7 +130,7 @@ fn are_near<R: Real>(rows: &Rows<R>, inverse_cell_size: R) -> [bool; RUN] {
 
 #[inline(always)]
 fn cross<R: Real>(a: &[Lanes<R>; 3], b: &[Lanes<R>; 3], to: &mut [Lanes<R>; 3]) {
-    for at in 0..RUN {
+    for at in 0..CELLS_PER_RUN {
         to[0][at] = a[1][at] * b[2][at] - b[1][at] * a[2][at];
         to[1][at] = a[2][at] * b[0][at] - b[2][at] * a[0][at];
         to[2][at] = a[0][at] * b[1][at] - b[0][at] * a[1][at];
@@ -177,7 +178,7 @@ mod tests {
             .collect();
         for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
             let mut found = Vec::new();
-            write_down::<R>(level, &lattice.cells, &position, scale, &mut found);
+            list_near_inversion::<R>(level, &lattice.cells, &position, scale, &mut found);
             assert_eq!(found, expected, "{dims:?}, {} cells, {level:?}", lattice.cells.len());
         }
         expected.len()

@@ -5,18 +5,18 @@ use glam::{DMat3, DVec3};
 use crate::physics::forces::recovery::nearest_rotation;
 
 /// A matrix counts as a rotation above this determinant.
-const TURNS: f64 = 0.5;
+const MIN_DETERMINANT: f64 = 0.5;
 
 /// Weighted sums over the particles around a point: of ones, of positions now and at rest, and of their products.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Around {
+pub(super) struct Moments {
     weight: f64,
     now: DVec3,
     rest: DVec3,
     products: DMat3,
 }
 
-impl Around {
+impl Moments {
     pub(super) const NONE: Self = Self { weight: 0.0, now: DVec3::ZERO, rest: DVec3::ZERO, products: DMat3::ZERO };
 
     pub(super) fn add(&mut self, weight: f64, now: DVec3, rest: DVec3) {
@@ -27,7 +27,7 @@ impl Around {
         self.products += outer(weighted, rest);
     }
 
-    pub(super) fn and(mut self, other: &Self) -> Self {
+    pub(super) fn plus(mut self, other: &Self) -> Self {
         self.weight += other.weight;
         self.now += other.now;
         self.rest += other.rest;
@@ -41,7 +41,7 @@ impl Around {
         let [a, b, c] = [moved.x_axis, moved.y_axis, moved.z_axis];
         let ([x, y, z], _) = nearest_rotation::<f64>(&[a, b, c], &[b.cross(c), c.cross(a), a.cross(b)]);
         let rotation = DMat3::from_cols(x, y, z);
-        (rotation.determinant() > TURNS).then_some(rotation)
+        (rotation.determinant() > MIN_DETERMINANT).then_some(rotation)
     }
 }
 
@@ -57,7 +57,7 @@ mod tests {
     fn what_is_moved_and_turned_as_a_whole_has_its_rotation_and_a_line_has_none() {
         let turn = DMat3::from_axis_angle(DVec3::new(1.0, -2.0, 0.5).normalize(), 1.3);
         let sum = |corners: &[DVec3]| {
-            corners.iter().fold(Around::NONE, |mut sum, corner| {
+            corners.iter().fold(Moments::NONE, |mut sum, corner| {
                 sum.add(0.25, turn * *corner * 0.05 + DVec3::new(3.0, 40.0, -5.0), *corner + DVec3::splat(7.0));
                 sum
             })

@@ -1,0 +1,80 @@
+//! When to make checks that need not be made in every substep: counted in substeps, so that it follows from the state.
+
+use crate::math::{FRAME_SECS, Real, Vector};
+use crate::physics::kernels::bounds;
+use crate::physics::model::plan::Plan;
+use crate::physics::model::{BodyModel, Model};
+use crate::physics::state::State;
+
+/// Simulated time between two checks of all cells, s, in a body that is calm.
+const CHECK_INTERVAL_SECS: f64 = FRAME_SECS;
+
+/// How far two particles of a body move relative to each other between two checks at most, in cell sizes: a cell that was
+/// not on the list then is still above the threshold, even if it is crushed along all its axes at once.
+const MAX_UNCHECKED_MOTION: f64 = 0.2;
+
+/// Whether it is time to check bodies that were well at the last check: after every [`CHECK_INTERVAL_SECS`], sooner where
+/// their particles move fast relative to each other.
+pub(in crate::physics) fn is_check_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
+    is_due_every(plan, state, check_interval_secs(model, plan, state))
+}
+
+/// The same where the relative speeds of the bodies' particles are known: `max_relative_speeds`, m/s.
+pub(in crate::physics) fn is_check_due_at<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    state: &State<R>,
+    max_relative_speeds: &[f64],
+) -> bool {
+    let secs = model
+        .bodies
+        .iter()
+        .zip(max_relative_speeds)
+        .map(|(body, max_relative_speed)| body_check_interval_secs(body, *max_relative_speed));
+    is_due_every(plan, state, secs.fold(CHECK_INTERVAL_SECS, f64::min))
+}
+
+/// How long bodies may go without a check at the present relative speeds of their particles, s.
+pub(in crate::physics) fn check_interval_secs<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> f64 {
+    let secs = model.bodies.iter().map(|body| body_check_interval_secs(body, max_relative_speed(body, plan, state)));
+    secs.fold(CHECK_INTERVAL_SECS, f64::min)
+}
+
+/// A bound on the relative speed of any two particles of a body, m/s.
+pub(in crate::physics) fn max_relative_speed<R: Real>(body: &BodyModel<R>, plan: &Plan, state: &State<R>) -> f64 {
+    // Particles of modal bodies are not checked.
+    if body.modal.is_some() { 0.0 } else { max_relative_speed_of::<R>(plan, &state.velocity[body.particles.clone()]) }
+}
+
+/// The same of particles with these velocities, m/s.
+pub(super) fn max_relative_speed_of<R: Real>(plan: &Plan, velocity: &[R::Vec3]) -> f64 {
+    if velocity.is_empty() {
+        return 0.0;
+    }
+    // Bounds of the components: cheap.
+    let bounds = bounds::<R>(plan.simd, velocity);
+    (bounds.max - bounds.min).length().to_f64()
+}
+
+/// How long a body's cells may go without a check where its particles' relative speed is `max_relative_speed` (m/s), s.
+pub(super) fn body_check_interval_secs<R: Real>(body: &BodyModel<R>, max_relative_speed: f64) -> f64 {
+    if max_relative_speed > 0.0 {
+        MAX_UNCHECKED_MOTION / (body.inverse_cell_size.to_f64() * max_relative_speed)
+    } else {
+        CHECK_INTERVAL_SECS
+    }
+}
+
+/// How many substeps last `secs` (s), at least one.
+pub(in crate::physics) fn substeps_in(plan: &Plan, secs: f64, round: fn(f64) -> f64) -> u64 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of at least one, saturating")]
+    let count = round(secs / plan.substep_secs()).max(1.0) as u64;
+    count
+}
+
+/// Whether the number of substeps taken since the start is a multiple of those that last `secs` (s).
+pub(in crate::physics) fn is_due_every<R: Real>(plan: &Plan, state: &State<R>, secs: f64) -> bool {
+    let taken = state.steps / u64::from(plan.span);
+    let taken = taken.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep));
+    taken.is_multiple_of(substeps_in(plan, secs, libm::round))
+}
