@@ -21,8 +21,10 @@
 mod precision;
 pub(in crate::physics) mod pull;
 pub(in crate::physics) mod substep;
+mod workspace;
 
 pub(super) use precision::substep;
+pub(super) use workspace::StepWorkspace;
 
 use super::contact::{self, ContactRecord, Placed};
 use super::forces;
@@ -39,96 +41,15 @@ use crate::physics::forces::recovery;
 use crate::physics::kernels;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{ContactRule, Scheme};
-use crate::physics::modes::{self, ModalWorkspace};
+use crate::physics::modes;
 use crate::physics::observe::runaway::runs_away;
 use crate::physics::schemes::implicit::balance::{SubstepEnd, body_gains_energy, gains_energy};
-use crate::physics::schemes::{self, SchemeWorkspace, Stepper};
+use crate::physics::schemes::{self, SchemeWorkspace};
 use crate::physics::state::fallen;
 use crate::physics::state::sleep;
 use crate::physics::step::substep::{OnEnergyGain, Part, Substep};
 use crate::physics::stepping::strain;
 use crate::physics::team;
-
-/// The workspace of a substep: allocated once, meaningless between substeps except for the last substep's forces.
-#[derive(Clone, Debug)]
-pub(super) struct StepWorkspace<R: Real> {
-    /// Net force on every particle without implicit contact, N.
-    pub force: Vec<R::Vec3>,
-    /// The part of that force that is contact by the thesis's rule, N; none without that rule.
-    thesis_force: Option<Vec<R::Vec3>>,
-    /// The velocity at the end of the substep, m/s.
-    pub velocity: Vec<R::Vec3>,
-    /// Workspace and results of contact.
-    pub contact: contact::ContactWorkspace<R>,
-    scheme: schemes::SchemeWorkspace<R>,
-    /// Workspace of the forces.
-    pub forces: forces::ForceWorkspace<R>,
-    /// Workspace of modal bodies.
-    pub modal: ModalWorkspace,
-    /// A copy of every body's memory before the substep, which may be given up.
-    memory_backup: Vec<BodyMemory>,
-}
-
-impl<R: Real> StepWorkspace<R> {
-    /// Room for a model under a plan.
-    pub(super) fn new(model: &Model<R>, plan: &Plan) -> Self {
-        let room = || vec![R::Vec3::ZERO; model.particle_count()];
-        Self {
-            force: room(),
-            thesis_force: thesis_room(model, plan),
-            velocity: room(),
-            contact: contact::ContactWorkspace::new(model, plan),
-            scheme: schemes::SchemeWorkspace::new(model, plan),
-            forces: forces::ForceWorkspace::new(model, plan),
-            modal: ModalWorkspace::new(model, plan),
-            memory_backup: memory_backup_room(model),
-        }
-    }
-
-    /// Fits the workspace to a model of the same bodies with other constants or obstacles. Buffers that do not depend on
-    /// these are kept.
-    pub(super) fn fit(&mut self, before: (&Model<R>, &Plan), model: &Model<R>, plan: &Plan) {
-        if self.thesis_force.is_some() != has_thesis_force(plan) {
-            self.thesis_force = thesis_room(model, plan);
-        }
-        self.contact = contact::ContactWorkspace::new(model, plan);
-        self.scheme.fit(before.1.scheme, model, plan);
-        self.forces.fit(before.0, model, plan);
-        self.modal = ModalWorkspace::new(model, plan);
-    }
-
-    /// Fits the workspace to the number of threads of a plan.
-    pub(super) fn fit_threads(&mut self, model: &Model<R>, plan: &Plan) {
-        self.forces.fit(model, model, plan);
-    }
-
-    /// The scheme at work on a substep whose forces are known, contact's workspace, and where the velocities are
-    /// written.
-    fn stepper<'a>(
-        &'a mut self,
-        substep: Substep<'a, R>,
-    ) -> (Stepper<'a, R>, &'a mut contact::ContactWorkspace<R>, &'a mut [R::Vec3]) {
-        let Self { force, thesis_force, velocity, contact, scheme, forces, .. } = self;
-        let stepper = Stepper { substep, force, thesis_force: thesis_force.as_deref(), workspace: scheme, forces };
-        (stepper, contact, velocity)
-    }
-}
-
-/// Whether contact is a force by the thesis's rule.
-fn has_thesis_force(plan: &Plan) -> bool {
-    plan.contact && plan.contact_rule == ContactRule::Thesis
-}
-
-/// Room for the thesis's contact force on every particle, under that rule.
-fn thesis_room<R: Real>(model: &Model<R>, plan: &Plan) -> Option<Vec<R::Vec3>> {
-    has_thesis_force(plan).then(|| vec![R::Vec3::ZERO; model.particle_count()])
-}
-
-/// Room for a copy of the bodies' memory.
-fn memory_backup_room<R: Real>(model: &Model<R>) -> Vec<BodyMemory> {
-    let room = |cells: usize| BodyMemory { near_inversion: Vec::with_capacity(cells), ..BodyMemory::default() };
-    model.bodies.iter().map(|body| room(body.lattice.cells.len())).collect()
-}
 
 /// How often the velocities are halved in a body that would gain energy however short its substeps are.
 const MAX_VELOCITY_HALVINGS: u32 = 12;
