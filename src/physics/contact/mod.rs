@@ -6,6 +6,20 @@
 //! response      a stiff, critically damped spring taken implicitly, then Coulomb friction (response)
 //! ```
 //!
+//! Files, by what they are about:
+//!
+//! ```text
+//! particles   candidate: what each particle near an obstacle meets; response: the law; between, gauss_seidel: several obstacles
+//!             at one particle; account: the energy of all that
+//! search      broad, distance_cache: what is far; narrow, swept_point, surface: where a path meets a shape
+//! schemes     constraint, solved: contact within the equations of the implicit scheme; held: through the stages of the
+//!             stabilised scheme; thesis: the thesis's own rule
+//! obstacles   placed, moving, sweep: where obstacles are on their way; arrive, approach, way_out: those put into a body
+//! points      weighted: contacts of points that several particles carry; samples: points of a mesh that meet obstacles;
+//!             bodies: bodies that meet each other and themselves
+//! results     record, sides, workspace
+//! ```
+//!
 //! A body that is a model may meet obstacles with points of its mesh in place of its particles: see [`samples`].
 //!
 //! Several obstacles at one particle are solved for together (`gauss_seidel`), and leave it a velocity that none of them
