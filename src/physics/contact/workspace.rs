@@ -93,7 +93,7 @@ pub(crate) struct ContactWorkspace<R: Real> {
     /// Workspace and results of contact between bodies.
     pub(in crate::physics) bodies: BodiesWorkspace<R>,
     /// Workspace and results of contact on meshes of bodies.
-    pub(in crate::physics) samples: SamplesWorkspace,
+    pub(in crate::physics) samples: SamplesWorkspace<R>,
 }
 
 impl<R: Real> ContactWorkspace<R> {

@@ -44,7 +44,7 @@ pub(super) struct Search<'a, R: Real> {
     /// Positions of all particles, m.
     pub(super) positions: &'a [DVec3],
     pub(super) bodies: &'a [PredictedBody],
-    /// Which points are near which cells; without, every point is looked for in every cell.
+    /// What neighbour lists are made from; without, every point is looked for in every cell.
     pub(super) stored_positions: Option<&'a StoredPositions>,
 }
 

@@ -19,7 +19,7 @@ pub(super) fn find_contacts<R: Real>(
     number: usize,
     samples: &Samples,
     velocity: &[R::Vec3],
-    workspace: &mut SamplesWorkspace,
+    workspace: &mut SamplesWorkspace<R>,
     counters: &mut Counters,
 ) -> bool {
     let Substep { model, state, plan, dt, .. } = substep;
@@ -36,11 +36,19 @@ pub(super) fn find_contacts<R: Real>(
     }
     let meshes = model.mesh_count();
     let mut tests = 0;
-    for cell in &samples.cells {
-        let in_cell = touches.partition_point(|touch| touch.sample < cell.points.end);
+    let displacement = if plan.broad_phase {
+        workspace.clearances[number].update(substep, number, samples, [position, velocity])
+    } else {
+        f64::INFINITY
+    };
+    for (place, cell) in samples.cells.iter().enumerate() {
+        let in_cell = touches.iter().take_while(|touch| touch.sample < cell.points.end).count();
         let (touching, rest) = touches.split_at(in_cell);
         touches = rest;
         if plan.broad_phase && touching.is_empty() {
+            if workspace.clearances[number].are_clear(place, displacement) {
+                continue;
+            }
             let around = near::motion_bounds(cell, position, velocity, dt);
             let is_near = |obstacle: &usize| around.overlaps(&substep.obstacles.for_body(number, *obstacle).bounds);
             if !workspace.near_obstacles.iter().any(is_near) {
@@ -105,7 +113,7 @@ fn find_near_obstacles<R: Real>(
     number: usize,
     position: &[R::Vec3],
     velocity: &[R::Vec3],
-    workspace: &mut SamplesWorkspace,
+    workspace: &mut SamplesWorkspace<R>,
 ) {
     let Substep { model, plan, dt, .. } = substep;
     workspace.near_obstacles.clear();

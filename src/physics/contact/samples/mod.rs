@@ -11,11 +11,15 @@
 //!                           record     contacts, to be drawn and counted; touches go into the state
 //! ```
 //!
+//! Most cells are far from all obstacles; how far is measured now and then, so that they need not be tested in every substep
+//! (`clearance`).
+//!
 //! Pushing some points out may lead others in: the search is repeated with the velocities that contact leaves, until it finds
 //! no more points. Contact changes the velocities that forces predict, after contact between bodies did. All is computed in
 //! double precision and by one thread, so the number of threads makes no difference. Obstacles do work only by their motion,
 //! and the energy of springs is in the state: so no energy comes from nowhere at any stiffness, see [`super::weighted`].
 
+mod clearance;
 mod find;
 mod near;
 mod record;
@@ -48,7 +52,7 @@ const MAX_SEARCH_REPEATS: usize = 4;
 pub(in crate::physics) fn meet<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
-    workspace: &mut SamplesWorkspace,
+    workspace: &mut SamplesWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     workspace.keep_sleeping_contacts(substep.state);
@@ -82,7 +86,7 @@ fn constrain<R: Real>(
     samples: &Samples,
     first: usize,
     velocity: &[R::Vec3],
-    workspace: &mut SamplesWorkspace,
+    workspace: &mut SamplesWorkspace<R>,
 ) {
     let Substep { model, state, dt, .. } = substep;
     let (body, memory) = (&model.bodies[number], near::touches_of(state, number));
@@ -133,7 +137,7 @@ fn law<R: Real>(substep: Substep<'_, R>, number: usize, obstacle: usize) -> Poin
 }
 
 /// Solves all constraints of a body from zero impulses on, and writes the velocities that they leave.
-fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: &mut SamplesWorkspace) {
+fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: &mut SamplesWorkspace<R>) {
     let SamplesWorkspace { constraints, movers, .. } = workspace;
     constraints.iter_mut().for_each(PointConstraint::reset);
     movers.forget_changes();
@@ -149,7 +153,7 @@ fn record<R: Real>(
     number: usize,
     samples: &Samples,
     velocity: &[R::Vec3],
-    workspace: &mut SamplesWorkspace,
+    workspace: &mut SamplesWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, state, .. } = substep;

@@ -73,7 +73,7 @@ pub(super) fn bounds_of_all<R: Real>(bounds: Aabb<R>, samples: &Samples) -> Aabb
 }
 
 /// Grows a box about its middle by the factor `times`, and a little more for rounding error.
-fn grown<R: Real>(bounds: Aabb<R>, times: f64) -> Aabb<R> {
+pub(super) fn grown<R: Real>(bounds: Aabb<R>, times: f64) -> Aabb<R> {
     let half = (bounds.max - bounds.min) * R::from_f64(0.5);
     let far = bounds.max.max(-bounds.max).max(bounds.min.max(-bounds.min));
     let more = half * R::from_f64(times - 1.0) + (half + far) * R::from_f64(ROUNDING_SHARE);

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::clearance::Clearances;
 use super::record::SampleContact;
 use crate::math::Real;
 use crate::physics::contact::narrow::mesh::NearestPointCache;
@@ -30,11 +31,13 @@ pub(super) struct FoundContact {
 
 /// The workspace of contact on meshes; empty where there is no such contact.
 #[derive(Clone, Debug, Default)]
-pub(in crate::physics) struct SamplesWorkspace {
+pub(in crate::physics) struct SamplesWorkspace<R: Real> {
     /// The first point of each body among those of all.
     pub(super) first_sample: Vec<usize>,
     /// Cached search results of every point and mesh obstacle, by point.
     pub(super) caches: Vec<NearestPointCache>,
+    /// How far the cells of each body are from all obstacles.
+    pub(super) clearances: Vec<Clearances<R>>,
     /// The obstacles that the present body may meet.
     pub(super) near_obstacles: Vec<usize>,
     /// The contacts of the present body.
@@ -51,9 +54,9 @@ pub(in crate::physics) struct SamplesWorkspace {
     pub(in crate::physics::contact) deepest: f64,
 }
 
-impl SamplesWorkspace {
+impl<R: Real> SamplesWorkspace<R> {
     /// Room for a model.
-    pub(in crate::physics) fn new<R: Real>(model: &Model<R>, plan: &Plan) -> Self {
+    pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
         if plan.on_mesh.is_none() {
             return Self::default();
         }
@@ -65,6 +68,7 @@ impl SamplesWorkspace {
         Self {
             first_sample,
             caches: vec![NearestPointCache::default(); model.sample_count() * model.mesh_count()],
+            clearances: (0..model.bodies.len()).map(|body| Clearances::new(model, body)).collect(),
             near_obstacles: Vec::with_capacity(most),
             found_contacts: Vec::with_capacity(of_one),
             found_pairs: Vec::with_capacity(of_one),
@@ -82,7 +86,7 @@ impl SamplesWorkspace {
     }
 
     /// Forgets all contacts and touches but those of sleeping bodies.
-    pub(in crate::physics) fn keep_sleeping_contacts<R: Real>(&mut self, state: &State<R>) {
+    pub(in crate::physics) fn keep_sleeping_contacts(&mut self, state: &State<R>) {
         self.contacts.retain(|contact| state.bodies[contact.body].asleep);
         self.touches.clear();
         self.touches.extend(state.touches.iter().filter(|touch| state.bodies[touch.body].asleep));
