@@ -128,7 +128,7 @@
 //! app/shell/panels.rs             lay_out_panels  what the panels ask for goes to
 //! app/worker.rs                   send            the thread of the sandbox
 //! session/handle.rs               handle          a command does what it says
-//! session/editing.rs              carry_out       an edit and all that follows from it
+//! session/editing.rs              apply_edit      an edit and all that follows from it
 //! scene/edit.rs                   apply           the document has the value, and its inverse is known
 //! physics/compile/mod.rs          set_parameters  Scene → Model, while everything goes on moving
 //! physics/compile/assembly.rs     uniform         the constants of a family of links

@@ -19,8 +19,8 @@ pub use publish::{Ended, Observed, Snapshot};
 use super::sentence::sentence;
 use crate::math::FRAME;
 use crate::session::document::Opened;
-use crate::session::hold::Hold;
 use crate::session::progress::Progress;
+use crate::session::step_gate::StepGate;
 use crate::session::threads::within_pool;
 use crate::session::{Command, Session, SessionError};
 
@@ -35,7 +35,7 @@ pub trait Sandbox: Observed {
     fn is_at_work(&self) -> bool;
     /// Prepares a new scene. `stop` is set when a long step is to be given up; `hold` is held while someone else needs the
     /// processors.
-    fn begin(&mut self, _stop: &Arc<AtomicBool>, _hold: &Arc<Hold>) {}
+    fn begin(&mut self, _stop: &Arc<AtomicBool>, _hold: &Arc<StepGate>) {}
     /// Notes the share of the processors that drawing takes, 0 to 1.
     fn note_drawing(&mut self, share: f64);
 }
@@ -59,10 +59,10 @@ impl Sandbox for Session {
         self.is_playing() || self.is_looking_for_cures() || self.is_swinging()
     }
 
-    fn begin(&mut self, stop: &Arc<AtomicBool>, hold: &Arc<Hold>) {
+    fn begin(&mut self, stop: &Arc<AtomicBool>, hold: &Arc<StepGate>) {
         self.set_stop(Arc::clone(stop));
-        self.set_hold(Arc::clone(hold));
-        self.hold_if_too_slow();
+        self.set_step_gate(Arc::clone(hold));
+        self.pause_if_too_slow();
     }
 
     fn note_drawing(&mut self, share: f64) {
@@ -75,7 +75,7 @@ impl Sandbox for Session {
 pub struct Worker {
     orders: Sender<Order>,
     stop: Arc<AtomicBool>,
-    hold: Arc<Hold>,
+    hold: Arc<StepGate>,
     slot: Arc<Slot>,
     opening: Arc<Awaited>,
     making: Arc<Awaited>,
@@ -120,7 +120,7 @@ impl Worker {
     ) -> Self {
         let (orders, received) = channel();
         let (slot, stop, hold) =
-            (Arc::new(Slot::default()), Arc::new(AtomicBool::new(false)), Arc::new(Hold::default()));
+            (Arc::new(Slot::default()), Arc::new(AtomicBool::new(false)), Arc::new(StepGate::default()));
         let [opening, making] = [(); 2].map(|()| Arc::new(Awaited::default()));
         let (published, stopped, held) = (Arc::clone(&slot), Arc::clone(&stop), Arc::clone(&hold));
         let (opens, makes, first) = (Arc::clone(&opening), Arc::clone(&making), opening.begin());
@@ -183,12 +183,12 @@ impl Worker {
 
     /// Leaves the processors to a frame that a person waits for: the worker takes no step until [`Worker::let_go`].
     pub fn hold(&self) {
-        self.hold.hold();
+        self.hold.close();
     }
 
     /// Lets the worker take steps again.
     pub fn let_go(&self) {
-        self.hold.let_go();
+        self.hold.open();
     }
 
     /// The processor time that the thread and its helpers in steps have used, up to the last few steps.
@@ -239,7 +239,7 @@ struct Loop<'a, S, W> {
     orders: &'a Receiver<Order>,
     publisher: &'a mut Publisher<W>,
     stop: &'a Arc<AtomicBool>,
-    hold: &'a Arc<Hold>,
+    hold: &'a Arc<StepGate>,
     opening: &'a Awaited,
     making: &'a Awaited,
     answers: Answers,

@@ -9,7 +9,7 @@ use super::Failure;
 use super::out::{self, Progress};
 use super::scene_args::{self, SceneArgs};
 use crate::session::Command;
-use crate::session::predict::{crawl, speed_alone};
+use crate::session::predict::{slow_run_warning, speed_alone};
 use crate::session::run::{RunFigures, run as run_session};
 use crate::session::step_words::limit_text;
 use crate::session::threads::within_pool;
@@ -55,7 +55,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         session.handle(Command::OpenState { path: path.clone() })?;
     }
     if args.seconds > 0.0
-        && let Some(warning) = crawl(speed_alone(session.simulation()))
+        && let Some(warning) = slow_run_warning(speed_alone(session.simulation()))
     {
         out::note(&format!("warning: {warning}"));
     }

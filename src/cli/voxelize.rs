@@ -19,7 +19,7 @@ use crate::geometry::part_cells::{PartCells, PartCount};
 use crate::geometry::voxel::{Cells, Keep, MAX_DIVISIONS, OccupancyChoice, VoxelReport, VoxelizeOptions, voxelize};
 use crate::geometry::watch::{Portion, Rising};
 use crate::scene::MaterialValue;
-use crate::scene::resolve::{self, LENGTHS, READING};
+use crate::scene::resolve::{self, MODEL_LENGTH_RANGE, READ_PROGRESS};
 use crate::text::{counted, echo_path};
 use crate::view::legend::three_digits;
 
@@ -60,7 +60,7 @@ pub(super) struct VoxelizeArgs {
 
 /// Parses a length: that of a body, or 0.
 fn length(text: &str) -> Result<f64, String> {
-    let [least, most] = LENGTHS;
+    let [least, most] = MODEL_LENGTH_RANGE;
     match text.parse::<f64>() {
         Ok(length) if length == 0.0 || (least..=most).contains(&length) => Ok(length),
         _ => Err(format!("a length from {least:e} to {most:e} m is needed, or 0")),
@@ -129,9 +129,9 @@ pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     let started = Instant::now();
     let progress = Progress::new("filling");
     let rising = Rising::new(&progress);
-    let reading = Portion::new(&rising, [0.0, READING]);
+    let reading = Portion::new(&rising, [0.0, READ_PROGRESS]);
     let mut imported = resolve::load_model(model, Path::new(""), Detail::Form, &reading)?;
-    let filling = Portion::new(&rising, [READING, 1.0]);
+    let filling = Portion::new(&rising, [READ_PROGRESS, 1.0]);
     let up = args.up.found(&imported.mesh);
     up.turn(&mut imported.mesh);
     let mut filled = voxelize(&imported.mesh, &options, &filling).with_context(|| shown.clone())?;

@@ -61,7 +61,7 @@ impl Body {
     }
 
     /// Whether it has the same pins as another body.
-    pub fn holds_as(&self, other: &Self) -> bool {
+    pub fn has_same_pins(&self, other: &Self) -> bool {
         (&self.pins, &self.pinned_cells) == (&other.pins, &other.pinned_cells)
     }
 }

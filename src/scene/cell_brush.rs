@@ -52,7 +52,7 @@ pub fn own_cells(shape: &Shape) -> Option<(Vec<[i32; 3]>, f64)> {
 
 /// Returns the way from the middle of the old cells to that of the new ones in their common grid, m; none where either shape
 /// is a model or the cell sizes differ.
-pub fn middle_from(old: &Shape, new: &Shape) -> Option<DVec3> {
+pub fn middle_shift(old: &Shape, new: &Shape) -> Option<DVec3> {
     let ((old, size), (new, new_size)) = (own_cells(old)?, own_cells(new)?);
     // The cell size of a cube and that of a list of the same cells differ by rounding error.
     let is_alike = (new_size - size).abs() <= 1e-12 * size;
@@ -88,10 +88,10 @@ pub fn face_at(list: &[[i32; 3]], point: DVec3) -> Option<([i32; 3], [i32; 3])> 
 
 impl ModelShape {
     /// Returns the model with a cell added or taken away, in its own grid. A change that reverses an earlier one cancels it.
-    pub fn with_cell(&self, cell: [i32; 3], more: bool) -> Self {
+    pub fn with_cell(&self, cell: [i32; 3], adds: bool) -> Self {
         let mut model = self.clone();
         let (list, other) =
-            if more { (&mut model.attached, &mut model.erased) } else { (&mut model.erased, &mut model.attached) };
+            if adds { (&mut model.attached, &mut model.erased) } else { (&mut model.erased, &mut model.attached) };
         let before = other.len();
         other.retain(|known| *known != cell);
         if other.len() == before && !list.contains(&cell) {
@@ -123,27 +123,27 @@ pub fn cell_in_grid(lowest: [i32; 3], from_lowest: [u32; 3]) -> [i32; 3] {
 impl Body {
     /// Returns the body with a cell painted as one of an inlay, or no longer so; none where nothing changes or the inlay
     /// does not exist.
-    pub fn with_painted(&self, cell: [i32; 3], inlay: usize, more: bool) -> Option<Self> {
-        if self.inlays.get(inlay)?.cells.contains(&cell) == more {
+    pub fn with_painted(&self, cell: [i32; 3], inlay: usize, adds: bool) -> Option<Self> {
+        if self.inlays.get(inlay)?.cells.contains(&cell) == adds {
             return None;
         }
         let mut body = self.clone();
-        let touched = body.inlays.iter_mut().enumerate().filter(|(place, _)| more || *place == inlay);
+        let touched = body.inlays.iter_mut().enumerate().filter(|(place, _)| adds || *place == inlay);
         touched.for_each(|(_, of)| of.cells.retain(|known| *known != cell));
-        if more {
+        if adds {
             body.inlays[inlay].cells.push(cell);
         }
         Some(body)
     }
 
     /// Returns the body with the particles of a cell held, or no longer held; none where nothing changes.
-    pub fn with_pinned(&self, cell: [i32; 3], more: bool) -> Option<Self> {
-        if self.pinned_cells.contains(&cell) == more {
+    pub fn with_pinned(&self, cell: [i32; 3], adds: bool) -> Option<Self> {
+        if self.pinned_cells.contains(&cell) == adds {
             return None;
         }
         let mut body = self.clone();
         body.pinned_cells.retain(|known| *known != cell);
-        if more {
+        if adds {
             body.pinned_cells.push(cell);
         }
         Some(body)
@@ -158,7 +158,7 @@ impl Body {
     }
 
     /// Returns the body with its model filled in another way. Changes made by hand stay if the divisions are the same.
-    pub fn of_model(&self, model: ModelShape) -> Self {
+    pub fn with_model(&self, model: ModelShape) -> Self {
         match &self.shape {
             Shape::Model(own) if own.divisions == model.divisions => {
                 Self { shape: Shape::Model(model), ..self.clone() }
@@ -172,7 +172,7 @@ impl Body {
     pub fn with_cells(&self, list: Vec<[i32; 3]>) -> Option<Self> {
         let (_, size) = own_cells(&self.shape)?;
         let shape = Shape::Cells(CellsShape { list, size });
-        let shift = middle_from(&self.shape, &shape)?;
+        let shift = middle_shift(&self.shape, &shape)?;
         let mut body = Self { shape, ..self.clone() };
         let start = DVec3::from(self.pose.position) + rotation::from_euler_deg(self.pose.rotation_deg) * shift;
         body.pose.position = start.to_array();
@@ -243,7 +243,7 @@ mod tests {
             let back = grown.with_cells(list.clone()).expect("it has cells");
             assert_eq!(corners(&back), before, "{more:?}: and are there when it is gone");
             let inlay = |body: &Body| DVec3::from(body.inlays[0].min) + DVec3::from(body.inlays[0].max);
-            let moved = middle_from(&cube.shape, &grown.shape).expect("the same grid");
+            let moved = middle_shift(&cube.shape, &grown.shape).expect("the same grid");
             assert!((inlay(&cube) - inlay(&grown) - 2.0 * moved).length() < 1e-12, "{more:?}: what is in it too");
         }
         let model = Body { shape: Shape::Model(crate::scene::body::ModelShape::default()), ..cube };

@@ -181,16 +181,16 @@ pub fn body_impact(old: &Body, new: &Body) -> Impact {
     let moves_by_modes = [old, new].iter().any(|body| body.moves_by == MovesBy::Modes);
     let pins = if moves_by_modes { Impact::Topology } else { Impact::Parameters };
     leaf_impact(old.shape != new.shape, Impact::Topology)
-        .max(leaf_impact(!old.holds_as(new), pins))
+        .max(leaf_impact(!old.has_same_pins(new), pins))
         .max(leaf_impact((old.pose, old.velocity) != (new.pose, new.velocity), Impact::Motion))
         .max(leaf_impact(old.material != new.material, Impact::Parameters))
         .max(leaf_impact(old.inlays != new.inlays || old.parts != new.parts, Impact::Parameters))
-        .max(leaf_impact(among_bodies(old) != among_bodies(new), Impact::Parameters))
+        .max(leaf_impact(contact_between_bodies(old) != contact_between_bodies(new), Impact::Parameters))
         .max(leaf_impact((old.moves_by, old.mode_count) != (new.moves_by, new.mode_count), Impact::Parameters))
 }
 
 /// Returns the values that decide how a body meets others and itself.
-fn among_bodies(body: &Body) -> ([bool; 2], [f64; 2], ContactOn) {
+fn contact_between_bodies(body: &Body) -> ([bool; 2], [f64; 2], ContactOn) {
     ([body.collides, body.self_collides], [body.friction_static, body.friction_dynamic], body.contact_on)
 }
 

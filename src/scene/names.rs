@@ -6,7 +6,7 @@ use super::edit::Edit;
 impl Scene {
     /// Makes the name that an edit gives to a body or an obstacle unique: a second "ogre" becomes "ogre 2". An unchanged
     /// name and an empty one are left alone.
-    pub fn tell_apart(&self, edit: &mut Edit) {
+    pub fn make_names_unique(&self, edit: &mut Edit) {
         let own_body = if let Edit::Body(id, _) = edit { Some(id.0) } else { None };
         let own_obstacle = if let Edit::Obstacle(id, _) = edit { Some(id.0) } else { None };
         let bodies = self.bodies.iter().map(|body| body.name.as_str()).enumerate();
@@ -25,13 +25,13 @@ impl Scene {
             Edit::Settings(_) | Edit::View(_) | Edit::RemoveBody(_) | Edit::RemoveObstacle(_) => return,
         };
         if old != Some(name) && !name.is_empty() {
-            *name = free(name, &taken);
+            *name = unused_name(name, &taken);
         }
     }
 }
 
 /// Returns the name or, where it is taken, the first numbered form of it that is free.
-fn free(name: &str, taken: &[&str]) -> String {
+fn unused_name(name: &str, taken: &[&str]) -> String {
     if !taken.contains(&name) {
         return name.to_owned();
     }
@@ -55,7 +55,7 @@ mod tests {
 
     fn inserted(name: &str) -> String {
         let mut edit = Edit::InsertBody(BodyId(3), Box::new(Body { name: name.into(), ..Body::default() }));
-        scene().tell_apart(&mut edit);
+        scene().make_names_unique(&mut edit);
         let Edit::InsertBody(_, body) = edit else { panic!("still the same edit") };
         body.name
     }
@@ -63,7 +63,7 @@ mod tests {
     fn renamed(place: usize, name: &str) -> String {
         let scene = scene();
         let mut edit = Edit::Body(BodyId(place), Box::new(Body { name: name.into(), ..scene.bodies[place].clone() }));
-        scene.tell_apart(&mut edit);
+        scene.make_names_unique(&mut edit);
         let Edit::Body(_, body) = edit else { panic!("still the same edit") };
         body.name
     }
@@ -86,13 +86,13 @@ mod tests {
         let mut twins = scene();
         twins.bodies[1].name = "ogre".into();
         let mut edit = Edit::Body(BodyId(1), Box::new(Body { hidden: true, ..twins.bodies[1].clone() }));
-        twins.tell_apart(&mut edit);
+        twins.make_names_unique(&mut edit);
         assert!(
             matches!(&edit, Edit::Body(_, body) if body.name == "ogre"),
             "a file's names stay as they are: {edit:?}"
         );
         let mut edit = Edit::Obstacle(ObstacleId(0), Box::new(Obstacle { name: "ogre".into(), ..Obstacle::default() }));
-        scene().tell_apart(&mut edit);
+        scene().make_names_unique(&mut edit);
         assert!(matches!(&edit, Edit::Obstacle(_, obstacle) if obstacle.name == "ogre 3"), "{edit:?}");
     }
 }

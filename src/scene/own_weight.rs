@@ -15,13 +15,13 @@ use crate::math::Aabb;
 use crate::math::rotation::{from_euler_deg, to_euler_deg};
 
 /// The largest strain at the foot of a body that stands.
-const STANDS: f64 = 0.25;
+const MAX_STANDING_STRAIN: f64 = 0.25;
 /// The largest strain at the foot of a body of the size offered.
-const OFFERED: f64 = 0.23;
+const OFFERED_STRAIN: f64 = 0.23;
 /// The sizes offered, in a decade.
-const SIZES: [f64; 10] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
+const ROUND_SIZES: [f64; 10] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
 /// A body is set down this share of its size above the ground; its position is rounded to a quarter of that or finer.
-const GAP: f64 = 2e-3;
+const GROUND_GAP_SHARE: f64 = 2e-3;
 
 /// The build of a body, as far as it matters to whether it stands. Lengths at rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,7 +44,7 @@ impl Stature {
                 layers[lattice.corners[cell[0] as usize][axis] as usize] += lattice.share(number);
             }
             let cell = lattice.grid.cell_size;
-            [column(layers.iter(), cell), column(layers.iter().rev(), cell)]
+            [even_column_height(layers.iter(), cell), even_column_height(layers.iter().rev(), cell)]
         });
         Self { size_m, columns_m }
     }
@@ -66,8 +66,8 @@ impl Stature {
     /// or is held by pins.
     pub fn size_to_stand(&self, body: &Body, solid: &Solid, gravity: [f64; 3]) -> Option<f64> {
         let strain = self.strain(solid, body.pose.rotation_deg, gravity);
-        let stands = strain <= STANDS || body.has_pins();
-        (!stands).then(|| round_below(self.longest_m() * OFFERED / strain))
+        let stands = strain <= MAX_STANDING_STRAIN || body.has_pins();
+        (!stands).then(|| round_below(self.longest_m() * OFFERED_STRAIN / strain))
     }
 
     /// Returns the body with another longest extent, set down flat on the ground below a place.
@@ -83,12 +83,12 @@ impl Stature {
         let mut body = scaled(body, factor, longest_m);
         let down = DVec3::from(gravity).normalize_or(DVec3::NEG_Y);
         if let Some(ground) = ground_below(obstacles, DVec3::from(above), down) {
-            let turn = flat(from_euler_deg(body.pose.rotation_deg), ground.normal);
+            let turn = align_nearest_axis(from_euler_deg(body.pose.rotation_deg), ground.normal);
             let half = DVec3::from(self.size_m) * (0.5 * factor);
-            let height = (turn.transpose() * ground.normal).abs().dot(half) + GAP * longest_m;
+            let height = (turn.transpose() * ground.normal).abs().dot(half) + GROUND_GAP_SHARE * longest_m;
             let [position, rotation_deg] = [ground.point + ground.normal * height, DVec3::from(to_euler_deg(&turn))];
             body.pose = Pose {
-                position: rounded(position, 0.25 * GAP * longest_m).to_array(),
+                position: rounded(position, 0.25 * GROUND_GAP_SHARE * longest_m).to_array(),
                 rotation_deg: rounded(rotation_deg, 0.001).to_array(),
             };
         }
@@ -98,12 +98,12 @@ impl Stature {
 
 /// The largest size at which a cube of a solid stands, m; infinite without gravity.
 pub fn largest_cube(solid: &Solid, gravity: [f64; 3]) -> f64 {
-    let size = OFFERED * solid.young_modulus / (solid.density * DVec3::from(gravity).length());
+    let size = OFFERED_STRAIN * solid.young_modulus / (solid.density * DVec3::from(gravity).length());
     if size.is_finite() { round_below(size) } else { size }
 }
 
 /// Returns the height of the even column that sags by the same share as layers of cells with this edge, listed from the top.
-fn column<'a>(layers: impl Iterator<Item = &'a f64>, cell: f64) -> f64 {
+fn even_column_height<'a>(layers: impl Iterator<Item = &'a f64>, cell: f64) -> f64 {
     let [mut height, mut above, mut sag] = [0.0; 3];
     for count in layers.copied().filter(|count| *count > 0.0) {
         sag += (above + 0.5 * count) / count;
@@ -146,17 +146,17 @@ fn ground_below(obstacles: &[Obstacle], from: DVec3, down: DVec3) -> Option<Grou
             let along = -offset.dot(down);
             let aside = offset.length_squared() - along * along;
             let half = (sphere.radius * sphere.radius - aside).max(0.0).sqrt();
-            let way = along - half;
-            (aside < sphere.radius * sphere.radius && way >= 0.0)
-                .then(|| (way, ((offset + down * way) / sphere.radius).normalize_or(-down)))
+            let distance = along - half;
+            (aside < sphere.radius * sphere.radius && distance >= 0.0)
+                .then(|| (distance, ((offset + down * distance) / sphere.radius).normalize_or(-down)))
         }
         // The bounding box stands for the shape: on a turned obstacle a person moves the body by hand.
         ObstacleShape::Box(_) | ObstacleShape::Capsule(_) | ObstacleShape::Cylinder(_) | ObstacleShape::Mesh(_) => {
-            hit_box(&obstacle.shape.bounds(), from, down).map(|way| (way, -down))
+            hit_box(&obstacle.shape.bounds(), from, down).map(|distance| (distance, -down))
         }
     });
-    let (way, normal) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(Ground { point: from + down * way, normal })
+    let (distance, normal) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Ground { point: from + down * distance, normal })
 }
 
 /// How far below a place a box lies.
@@ -181,14 +181,14 @@ fn hit_plane(plane: &Plane, from: DVec3, down: DVec3) -> Option<(f64, DVec3)> {
         return None;
     }
     let center = DVec3::from(plane.center);
-    let way = (center - from).dot(turn.y_axis) / slope;
-    let at = turn.transpose() * (from + down * way - center);
+    let distance = (center - from).dot(turn.y_axis) / slope;
+    let at = turn.transpose() * (from + down * distance - center);
     let within = at.x.abs() <= plane.half_extents[0] && at.z.abs() <= plane.half_extents[1];
-    (way >= 0.0 && within).then(|| (way, turn.y_axis * -slope.signum()))
+    (distance >= 0.0 && within).then(|| (distance, turn.y_axis * -slope.signum()))
 }
 
 /// Turns a rotation further by the least angle that brings one of its axes along a normal.
-fn flat(turn: DMat3, normal: DVec3) -> DMat3 {
+fn align_nearest_axis(turn: DMat3, normal: DVec3) -> DMat3 {
     let axes = [turn.x_axis, turn.y_axis, turn.z_axis];
     let nearest = axes.into_iter().max_by(|a, b| a.dot(normal).abs().total_cmp(&b.dot(normal).abs()));
     let axis = nearest.map_or(normal, |axis| axis * axis.dot(normal).signum());
@@ -208,7 +208,7 @@ fn rounded(values: DVec3, unit: f64) -> DVec3 {
 /// Returns the largest size of the list that is not above this one.
 fn round_below(size: f64) -> f64 {
     let decade = 10_f64.powf(size.log10().floor());
-    let share = SIZES.into_iter().rev().find(|share| share * decade <= 1.001 * size).unwrap_or(1.0);
+    let share = ROUND_SIZES.into_iter().rev().find(|share| share * decade <= 1.001 * size).unwrap_or(1.0);
     // Three digits at most: 0.025 and not 0.025000000000000001.
     let digits = 10_f64.powf(2.0 - size.log10().floor());
     (share * decade * digits).round() / digits

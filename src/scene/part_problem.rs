@@ -1,7 +1,7 @@
 //! Names of parts that a model does not have.
 
 use super::param::Problem;
-use super::resolve::NAMES_LISTED;
+use super::resolve::MAX_NAMES_LISTED;
 use super::{Body, Shape};
 use crate::geometry::Lattice;
 use crate::text::echo;
@@ -13,9 +13,9 @@ pub fn part_problem(place: usize, body: &Body, lattice: &Lattice) -> Option<Prob
     let why = match (&body.shape, names) {
         (Shape::Model(_), Some(names)) => {
             let names = names.names();
-            let more = names.len().saturating_sub(NAMES_LISTED);
+            let more = names.len().saturating_sub(MAX_NAMES_LISTED);
             let listed =
-                names.iter().take(NAMES_LISTED).map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+                names.iter().take(MAX_NAMES_LISTED).map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
             let more = if more > 0 { format!(" and {more} more") } else { String::new() };
             format!("is no part of the model, which has {listed}{more}")
         }

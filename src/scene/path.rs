@@ -46,7 +46,7 @@ pub enum PathError {
 }
 
 /// The nodes that are one of several forms, and the names of the forms.
-const FORMS: [(&str, &[&str]); 4] = [
+const ENUM_FORMS: [(&str, &[&str]); 4] = [
     ("bodies.*.shape", &["cube", "cells", "model"]),
     ("bodies.*.material", &["springs", "solid"]),
     ("obstacles.*", &ObstacleShape::NAMES),
@@ -122,7 +122,7 @@ fn navigate<'a>(tree: &'a mut Value, path: &str, asked: &str) -> Result<&'a mut 
                     let default = param::default_at(&here).ok_or_else(unknown)?;
                     let is_form =
                         |(pattern, forms): &&(&str, &[&str])| param::matches(pattern, &above) && forms.contains(&name);
-                    if let Some((_, forms)) = FORMS.iter().find(is_form) {
+                    if let Some((_, forms)) = ENUM_FORMS.iter().find(is_form) {
                         fields.retain(|field, _| !forms.contains(&field.as_str()));
                     }
                     fields.insert(name.to_owned(), default);

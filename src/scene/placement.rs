@@ -12,15 +12,15 @@ use super::{Obstacle, Scene};
 use crate::math::{Aabb, rotation};
 
 /// Planes steeper than this carry nothing: sine of their slope.
-const STEEPEST: f64 = 0.77;
+const MAX_FLOOR_SLOPE: f64 = 0.77;
 /// Room between two things, in sizes of the new one.
-const GAP: f64 = 0.25;
+const GAP_IN_SIZES: f64 = 0.25;
 /// Columns tried on either side of the place looked at; they are half a size apart.
-const RINGS: i32 = 40;
+const GRID_RADIUS: i32 = 40;
 /// A column behind or in front of the place looked at counts as this many times as far away as one beside it.
-const BESIDE: f64 = 1.6;
+const DEPTH_COST_FACTOR: f64 = 1.6;
 /// A floor more than this many sizes above the place looked at is a roof: nothing is put on it.
-const ROOF: f64 = 2.5;
+const ROOF_HEIGHT_IN_SIZES: f64 = 2.5;
 
 /// Where a person looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -52,13 +52,13 @@ struct Floor {
 
 /// What lies below a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Below {
+enum Support {
     /// A floor under all of it, at this height (m).
     Floor(f64),
     /// The edge of a floor.
     Edge,
     /// Nothing.
-    Nothing,
+    Missing,
 }
 
 impl Surroundings {
@@ -79,17 +79,18 @@ impl Surroundings {
     /// (m).
     pub fn place(&self, look: Look, size: DVec3, above: f64) -> DVec3 {
         let look = Look { at: if look.at.is_finite() { look.at } else { DVec3::ZERO }, ..look };
-        let middle = self.clipped(look.at);
+        let middle = self.clamped(look.at);
         let all: Vec<DVec2> = columns(middle, look.ahead, size).collect();
-        let gap = GAP * size.max_element();
-        let roof = look.at.y + ROOF * size.max_element();
+        let gap = GAP_IN_SIZES * size.max_element();
+        let roof = look.at.y + ROOF_HEIGHT_IN_SIZES * size.max_element();
         let foot = |at: DVec2| Aabb::<f64> {
             min: DVec3::new(at.x - 0.5 * size.x, 0.0, at.y - 0.5 * size.z),
             max: DVec3::new(at.x + 0.5 * size.x, 0.0, at.y + 0.5 * size.z),
         };
         let blocked = |foot: &Aabb<f64>| self.blocks.iter().any(|block| shares_column(foot, block, gap));
         let taken = |foot: &Aabb<f64>| self.bodies.iter().any(|body| shares_column(foot, body, gap));
-        let on_floor = |at: &&DVec2| self.floors.is_empty() || matches!(self.below(&foot(**at), roof), Below::Floor(_));
+        let on_floor =
+            |at: &&DVec2| self.floors.is_empty() || matches!(self.support_under(&foot(**at), roof), Support::Floor(_));
         let open: Vec<DVec2> = all.iter().filter(on_floor).copied().filter(|at| !blocked(&foot(*at))).collect();
         let top = |at: &DVec2| {
             let under = self.bodies.iter().filter(|body| shares_column(&foot(*at), body, gap));
@@ -99,8 +100,8 @@ impl Surroundings {
         let found = free.or_else(|| open.iter().min_by(|a, b| top(a).total_cmp(&top(b))));
         let at = found.copied().unwrap_or(middle);
         let foot = foot(at);
-        let Below::Floor(height) = self.below(&foot, roof) else {
-            let height = if self.floors.is_empty() { look.at.y } else { self.top_below(&foot) + above + 0.5 * size.y };
+        let Support::Floor(height) = self.support_under(&foot, roof) else {
+            let height = if self.floors.is_empty() { look.at.y } else { self.top_under(&foot) + above + 0.5 * size.y };
             return rounded(DVec3::new(at.x, height, at.y), size);
         };
         let stack = self.bodies.iter().chain(&self.blocks).filter(|thing| shares_column(&foot, thing, 0.0));
@@ -109,7 +110,7 @@ impl Surroundings {
     }
 
     /// Returns the place looked at, seen from above, or the nearest place to it within the box around everything.
-    fn clipped(&self, at: DVec3) -> DVec2 {
+    fn clamped(&self, at: DVec3) -> DVec2 {
         let floors = self.floors.iter().map(|floor| floor.bounds);
         let all = self.bodies.iter().chain(&self.blocks).copied().chain(floors);
         let bounds = all.fold(Aabb::<f64>::empty(), Aabb::joined);
@@ -120,26 +121,26 @@ impl Surroundings {
     }
 
     /// What carries a box: the highest floor below it that is no roof.
-    fn below(&self, foot: &Aabb<f64>, roof: f64) -> Below {
-        let mut below = Below::Nothing;
+    fn support_under(&self, foot: &Aabb<f64>, roof: f64) -> Support {
+        let mut support = Support::Missing;
         for floor in &self.floors {
             let corners = corners(foot).map(|at| floor.height(at));
             let top = corners.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
             if corners.iter().all(Option::is_some) && top <= roof {
-                below = match below {
-                    Below::Nothing => Below::Floor(top),
-                    Below::Floor(height) => Below::Floor(height.max(top)),
-                    Below::Edge => Below::Edge,
+                support = match support {
+                    Support::Missing => Support::Floor(top),
+                    Support::Floor(height) => Support::Floor(height.max(top)),
+                    Support::Edge => Support::Edge,
                 };
             } else if shares_column(foot, &floor.bounds, 0.0) && floor.bounds.min.y <= roof {
-                return Below::Edge;
+                return Support::Edge;
             }
         }
-        below
+        support
     }
 
     /// Returns the top of everything in the column of a box, m; used where no floor carries the whole box.
-    fn top_below(&self, foot: &Aabb<f64>) -> f64 {
+    fn top_under(&self, foot: &Aabb<f64>) -> f64 {
         let floors = self.floors.iter().map(|floor| floor.bounds);
         let all = self.bodies.iter().chain(&self.blocks).copied().chain(floors);
         let tops = all.filter(|thing| shares_column(foot, thing, 0.0)).map(|thing| thing.max.y);
@@ -154,7 +155,7 @@ impl Floor {
         let ObstacleShape::Plane(plane) = obstacle.shape else { return None };
         let turn = rotation::from_euler_deg(plane.rotation_deg);
         let normal = turn.y_axis;
-        let level = (1.0 - normal.y * normal.y).max(0.0).sqrt() <= STEEPEST;
+        let level = (1.0 - normal.y * normal.y).max(0.0).sqrt() <= MAX_FLOOR_SLOPE;
         level.then(|| Self { plane, axes: [turn.x_axis, turn.z_axis], normal, bounds: obstacle.shape.bounds() })
     }
 
@@ -170,12 +171,13 @@ impl Floor {
 
 /// Places seen from above on a grid around a place, nearest first.
 fn columns(middle: DVec2, ahead: DVec3, size: DVec3) -> impl Iterator<Item = DVec2> {
-    let pitch = 0.5 * (1.0 + GAP) * size.x.max(size.z).max(1e-6);
+    let pitch = 0.5 * (1.0 + GAP_IN_SIZES) * size.x.max(size.z).max(1e-6);
     let ahead = DVec2::new(ahead.x, ahead.z).normalize_or_zero();
-    let steps = (-RINGS..=RINGS).flat_map(|x| (-RINGS..=RINGS).map(move |z| DVec2::new(f64::from(x), f64::from(z))));
+    let steps = (-GRID_RADIUS..=GRID_RADIUS)
+        .flat_map(|x| (-GRID_RADIUS..=GRID_RADIUS).map(move |z| DVec2::new(f64::from(x), f64::from(z))));
     let cost = |step: &DVec2| {
         let along = step.dot(ahead);
-        step.length_squared() + (BESIDE * BESIDE - 1.0) * along * along
+        step.length_squared() + (DEPTH_COST_FACTOR * DEPTH_COST_FACTOR - 1.0) * along * along
     };
     let mut steps: Vec<DVec2> = steps.collect();
     steps.sort_by(|a, b| cost(a).total_cmp(&cost(b)));

@@ -11,7 +11,7 @@ use super::material::{Material, Spring, Springs};
 use super::obstacle::{Cuboid, Cylinder, Motion, Obstacle, ObstacleShape, Oscillate, Plane, Turn};
 use super::settings::Stepping;
 use super::{ColorBy, Scene};
-use parts::{ball, carried, damped, in_steps_of, looking_at, mesh, scene, turned, u};
+use parts::{ball, builtin_model, damped, in_steps_of, looking_at, mesh, scene, turned, u};
 
 /// The preset that opens when none is asked for.
 pub const DEFAULT: &str = "cube-on-plane";
@@ -199,7 +199,7 @@ fn u_on_sphere() -> Scene {
 }
 
 fn tree() -> Scene {
-    let shape = ModelShape { divisions: 10, length: 1.5, ..carried("tree.obj") };
+    let shape = ModelShape { divisions: 10, length: 1.5, ..builtin_model("tree.obj") };
     let body = Body { skin: Skin::Cells, ..model_body("Tree", shape, 1.15) };
     looking_at([0.0, 0.8, 0.0], 6.0, scene(body, Vec::new()))
 }
@@ -208,7 +208,7 @@ fn tree() -> Scene {
 /// would quiet it sooner, but cost many substeps.
 fn coupler(divisions: u32) -> Scene {
     let (height, damping) = if divisions > 20 { (0.51, 1.7) } else { (0.65, 2.0) };
-    let body = model_body("Coupler", ModelShape { divisions, ..carried("coupler.obj") }, height);
+    let body = model_body("Coupler", ModelShape { divisions, ..builtin_model("coupler.obj") }, height);
     let turned = Pose { rotation_deg: [0.0, 30.0, 0.0], ..body.pose };
     let material = damped(&body.material, damping);
     let scene = scene(Body { skin: Skin::Cells, pose: turned, material, ..body }, Vec::new());
@@ -221,7 +221,7 @@ fn coupler(divisions: u32) -> Scene {
 }
 
 fn spot() -> Scene {
-    let body = model_body("Spot", carried("spot.obj"), 0.65);
+    let body = model_body("Spot", builtin_model("spot.obj"), 0.65);
     let turned = Pose { rotation_deg: [0.0, -30.0, 0.0], ..body.pose };
     let material = damped(&body.material, 3.0);
     let spot = scene(Body { pose: turned, material, ..body }, Vec::new());

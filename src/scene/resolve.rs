@@ -24,7 +24,7 @@ use crate::text::echo;
 pub const MAX_PARTICLES: usize = 8_000_000;
 
 /// The shortest and longest a body may be, m: what single precision can move and a camera can see.
-pub const LENGTHS: [f64; 2] = [1e-4, 1e4];
+pub const MODEL_LENGTH_RANGE: [f64; 2] = [1e-4, 1e4];
 
 /// A body's shape, ready to be given a material. Body coordinates: the origin is the middle of the grid's box.
 #[derive(Clone, Debug)]
@@ -65,7 +65,7 @@ pub enum ResolveError {
         source: VoxelizeError,
     },
     /// The program carries no such model.
-    #[error("the program carries no model {name}; it carries {}", carried())]
+    #[error("the program carries no model {name}; it carries {}", builtin_names())]
     NoSuchBuiltin {
         /// The name asked for.
         name: String,
@@ -169,7 +169,7 @@ impl Filled {
     }
 
     /// Applies the cells that are added to and erased from a model by hand. An added cell is full.
-    pub fn by_hand(mut self, model: &ModelShape) -> Result<Self, ResolveError> {
+    pub fn with_manual_changes(mut self, model: &ModelShape) -> Result<Self, ResolveError> {
         if model.erased.is_empty() && model.attached.is_empty() {
             return Ok(self);
         }
@@ -243,7 +243,7 @@ pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn W
     let cells = match shape {
         Shape::Cube(cube) => Cells::cube(cube.cells, cube.size / f64::from(cube.cells.max(1)))?,
         Shape::Cells(cells) => Cells::from_list(&cells.list, cells.size)?,
-        Shape::Model(model) => return fill_model(model, places.into(), watch)?.by_hand(model),
+        Shape::Model(model) => return fill_model(model, places.into(), watch)?.with_manual_changes(model),
     };
     Ok(Filled {
         cells,
@@ -259,10 +259,10 @@ pub fn fill<'a>(shape: &Shape, places: impl Into<ModelPlaces<'a>>, watch: &dyn W
 }
 
 /// The share of reading in the progress of making a model ready.
-pub(crate) const READING: f64 = 0.4;
+pub(crate) const READ_PROGRESS: f64 = 0.4;
 
 /// The most names listed in an error about a wrong one.
-pub(super) const NAMES_LISTED: usize = 12;
+pub(super) const MAX_NAMES_LISTED: usize = 12;
 
 /// Reads a model: a file, one within the scene or one that the program carries.
 pub fn load_model<'a>(
@@ -276,7 +276,7 @@ pub fn load_model<'a>(
         let none = Embedded::default();
         let held = embedded.unwrap_or(&none);
         if held.find(name).is_none() {
-            return Err(ResolveError::NoSuchEmbedded { name: echo(name), held: listed(held) });
+            return Err(ResolveError::NoSuchEmbedded { name: echo(name), held: embedded_names(held) });
         }
         return Ok(import::load_held(held, name, detail, watch)?);
     }
@@ -331,7 +331,7 @@ fn load_surface(mesh: &Mesh, places: ModelPlaces<'_>, watch: &dyn Watch) -> Resu
     mesh.up.found(&model).turn(&mut model);
     let surface = Surface::new(&model).map_err(|source| ResolveError::Surface { model: mesh.path.clone(), source })?;
     let length_m = mesh.scale(&surface);
-    if !(LENGTHS[0]..=LENGTHS[1]).contains(&length_m) {
+    if !(MODEL_LENGTH_RANGE[0]..=MODEL_LENGTH_RANGE[1]).contains(&length_m) {
         return Err(ResolveError::MeshLength { model: mesh.path.clone(), length_m });
     }
     Ok(Arc::new(surface))
@@ -339,8 +339,8 @@ fn load_surface(mesh: &Mesh, places: ModelPlaces<'_>, watch: &dyn Watch) -> Resu
 
 fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) -> Result<Filled, ResolveError> {
     let rising = Rising::new(watch);
-    let imported = load_model(&model.path, places, Detail::Pictures, &Portion::new(&rising, [0.0, READING]))?;
-    let watch = &Portion::new(&rising, [READING, 1.0]);
+    let imported = load_model(&model.path, places, Detail::Pictures, &Portion::new(&rising, [0.0, READ_PROGRESS]))?;
+    let watch = &Portion::new(&rising, [READ_PROGRESS, 1.0]);
     let Imported { mut mesh, parts, paint, shading, mut warnings } = imported;
     let up = model.up.found(&mesh);
     up.turn(&mut mesh);
@@ -362,7 +362,7 @@ fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) ->
     let Grid { origin, cell_size, dims } = cells.grid;
     let own_length = mesh.bounds().size().max_element();
     let length_m = if model.length > 0.0 { model.length } else { own_length };
-    if !(LENGTHS[0]..=LENGTHS[1]).contains(&length_m) {
+    if !(MODEL_LENGTH_RANGE[0]..=MODEL_LENGTH_RANGE[1]).contains(&length_m) {
         return Err(ResolveError::Length { model: model.path.clone(), length_m });
     }
     let scale = length_m / own_length;
@@ -388,18 +388,18 @@ fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) ->
     })
 }
 
-/// Lists the model files within a scene, at most [`NAMES_LISTED`] by name.
-fn listed(held: &Embedded) -> String {
+/// Lists the model files within a scene, at most [`MAX_NAMES_LISTED`] by name.
+fn embedded_names(held: &Embedded) -> String {
     let files = held.files();
-    let names: Vec<String> = files.iter().take(NAMES_LISTED).map(|file| echo(&file.path)).collect();
-    match files.len().saturating_sub(NAMES_LISTED) {
+    let names: Vec<String> = files.iter().take(MAX_NAMES_LISTED).map(|file| echo(&file.path)).collect();
+    match files.len().saturating_sub(MAX_NAMES_LISTED) {
         _ if names.is_empty() => "none".to_owned(),
         0 => names.join(", "),
         more => format!("{} and {more} more", names.join(", ")),
     }
 }
 
-fn carried() -> String {
+fn builtin_names() -> String {
     builtin::MODELS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
 }
 

@@ -8,12 +8,12 @@ use std::collections::HashMap;
 /// the order of the paths. The text is read once, however many paths there are.
 pub(super) fn lines_of<'a>(text: &str, paths: impl Iterator<Item = &'a str> + Clone) -> Vec<Option<usize>> {
     let mut lines: HashMap<&str, Option<usize>> = paths.clone().map(|path| (path, None)).collect();
-    let mut place = Place::default();
+    let mut position = TreePosition::default();
     let mut tokens = Tokens::of(text).peekable();
     while let Some((token, begin)) = tokens.next() {
-        let is_value = place.follow(token, tokens.peek().map(|(next, _)| *next));
+        let is_value = position.follow(token, tokens.peek().map(|(next, _)| *next));
         if is_value {
-            let path = place.path();
+            let path = position.path();
             let mut above = Some(path.as_str());
             while let Some(path) = above {
                 if let Some(first) = lines.get_mut(path) {
@@ -31,17 +31,17 @@ pub(super) fn path_before(text: &str, line: usize, column: usize) -> String {
     let lines_before: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
     let in_line = text[lines_before..].char_indices().nth(column.saturating_sub(1));
     let end = in_line.map_or(text.len(), |(at, _)| lines_before + at);
-    let mut place = Place::default();
+    let mut position = TreePosition::default();
     let mut tokens = Tokens::of(text).peekable();
     while let Some((token, _)) = tokens.next_if(|(_, begin)| begin.byte < end) {
-        place.follow(token, tokens.peek().map(|(next, _)| *next));
+        position.follow(token, tokens.peek().map(|(next, _)| *next));
     }
-    place.path()
+    position.path()
 }
 
 /// Where in the tree the reader is.
 #[derive(Default)]
-struct Place<'a> {
+struct TreePosition<'a> {
     frames: Vec<Frame<'a>>,
     /// The word before a bracket: the form of an enum.
     variant: Option<&'a str>,
@@ -54,7 +54,7 @@ struct Frame<'a> {
     index: usize,
 }
 
-impl<'a> Place<'a> {
+impl<'a> TreePosition<'a> {
     /// Takes a token, with the one after it. Returns whether it is a value.
     fn follow(&mut self, token: Token<'a>, next: Option<Token<'a>>) -> bool {
         match token {
@@ -110,7 +110,7 @@ enum Token<'a> {
 
 /// Where a token begins.
 #[derive(Clone, Copy)]
-struct Begin {
+struct TokenStart {
     /// From 1.
     line: usize,
     /// From 0.
@@ -120,12 +120,12 @@ struct Begin {
 /// Tokens with where they begin; white space and comments are passed over.
 struct Tokens<'a> {
     rest: &'a str,
-    begin: Begin,
+    begin: TokenStart,
 }
 
 impl<'a> Tokens<'a> {
     fn of(text: &'a str) -> Self {
-        Self { rest: text, begin: Begin { line: 1, byte: 0 } }
+        Self { rest: text, begin: TokenStart { line: 1, byte: 0 } }
     }
 
     fn take(&mut self, bytes: usize) -> &'a str {
@@ -154,7 +154,7 @@ impl<'a> Tokens<'a> {
 }
 
 impl<'a> Iterator for Tokens<'a> {
-    type Item = (Token<'a>, Begin);
+    type Item = (Token<'a>, TokenStart);
 
     fn next(&mut self) -> Option<Self::Item> {
         self.skip_blank();

@@ -16,7 +16,7 @@ pub enum BackgroundError {
     Cancelled,
     /// There is nothing to measure.
     #[error("{0}")]
-    Nothing(&'static str),
+    NotPossible(&'static str),
     /// A body has no modes to show.
     #[error(transparent)]
     Modal(ModalError),
@@ -35,12 +35,12 @@ impl From<SessionError> for BackgroundError {
 }
 
 /// Reports the progress of the work, and pauses between two pieces of it.
-pub(super) struct Paced<'a> {
+pub(super) struct PausingWatch<'a> {
     pub(super) progress: &'a Progress,
     pub(super) pause: &'a (dyn Fn() + Sync),
 }
 
-impl Watch for Paced<'_> {
+impl Watch for PausingWatch<'_> {
     fn progress(&self, fraction: f64) {
         self.progress.progress(fraction);
         if !self.progress.is_cancelled() {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::document::Opened;
-use super::library::Library;
-use super::{SessionError, needs};
+use super::shape_cache::ShapeCache;
+use super::{SessionError, memory};
 use crate::extract::skin::{cells_skin, model_skin};
 use crate::geometry::part_cells::PartCount;
 use crate::geometry::{Lattice, Paint, Watch};
@@ -20,9 +20,9 @@ use crate::view::{Skin, SkinInstance, Style};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies {
     jellies: Vec<Jelly>,
-    dressed: Vec<Dressed>,
+    body_skins: Vec<BodySkin>,
     /// The empty skin, for a body that has left the scene.
-    nothing: Arc<Skin>,
+    empty_skin: Arc<Skin>,
 }
 
 /// The parts of a body's model that have names. Field names are the keys of the JSON report.
@@ -36,7 +36,7 @@ pub struct BodyParts {
 
 /// A visible body's skin and what it was made from.
 #[derive(Clone, Debug)]
-struct Dressed {
+struct BodySkin {
     body: usize,
     lattice: Arc<Lattice>,
     choice: SkinChoice,
@@ -47,20 +47,24 @@ struct Dressed {
 impl Bodies {
     /// Makes the shape of every body ready, without skins yet. Refuses the scene before that if its bodies need more memory
     /// together than there is.
-    pub(super) fn resolve(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Self, SessionError> {
-        let outlines = outlines(scene, library, watch);
+    pub(super) fn resolve(
+        scene: &Scene,
+        shape_cache: &mut ShapeCache,
+        watch: &dyn Watch,
+    ) -> Result<Self, SessionError> {
+        let outlines = outlines(scene, shape_cache, watch);
         let checked = outlines.and_then(|outlines| {
             watch.expect_particles(outlines.iter().map(|outline| outline.counts.particles).sum());
-            needs::check(scene, &outlines)
+            memory::check_memory(scene, &outlines)
         });
-        let resolved = checked.and_then(|()| Self::resolve_unchecked(scene, library, watch));
-        library.forget_filled();
+        let resolved = checked.and_then(|()| Self::resolve_unchecked(scene, shape_cache, watch));
+        shape_cache.forget_filled();
         resolved
     }
 
-    fn resolve_unchecked(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Self, SessionError> {
+    fn resolve_unchecked(scene: &Scene, shape_cache: &mut ShapeCache, watch: &dyn Watch) -> Result<Self, SessionError> {
         let resolve_one = |(index, body): (usize, &Body)| {
-            let made = library.get(&body.shape, watch).map_err(|source| SessionError::Shape { index, source })?;
+            let made = shape_cache.get(&body.shape, watch).map_err(|source| SessionError::Shape { index, source })?;
             made.ok_or(SessionError::Stopped)
         };
         let jellies = scene.bodies.iter().enumerate().map(resolve_one).collect::<Result<_, _>>()?;
@@ -81,24 +85,24 @@ impl Bodies {
         all.filter(|of_one| !of_one.parts.is_empty()).collect()
     }
 
-    /// Returns these bodies with the skins of others at hand for the next [`Bodies::dress`].
+    /// Returns these bodies with the skins of others at hand for the next [`Bodies::update_skins`].
     pub(super) fn with_skins_of(self, others: &Self) -> Self {
-        Self { dressed: others.dressed.clone(), nothing: Arc::clone(&others.nothing), ..self }
+        Self { body_skins: others.body_skins.clone(), empty_skin: Arc::clone(&others.empty_skin), ..self }
     }
 
     /// Gives every visible body its skin, for a scene of the same bodies; skins that fit are kept.
-    pub(super) fn dress(&mut self, scene: &Scene) {
-        let old = std::mem::take(&mut self.dressed);
+    pub(super) fn update_skins(&mut self, scene: &Scene) {
+        let old = std::mem::take(&mut self.body_skins);
         let mut first_particle = 0u32;
         for (index, (body, jelly)) in scene.bodies.iter().zip(&self.jellies).enumerate() {
             let lattice = &jelly.lattice;
             if !body.hidden {
-                let fits = |dressed: &&Dressed| {
-                    Arc::ptr_eq(&dressed.lattice, lattice)
-                        && (dressed.choice, dressed.first_particle) == (body.skin, first_particle)
+                let fits = |body_skin: &&BodySkin| {
+                    Arc::ptr_eq(&body_skin.lattice, lattice)
+                        && (body_skin.choice, body_skin.first_particle) == (body.skin, first_particle)
                 };
                 let skin = match old.iter().find(fits) {
-                    Some(dressed) => Arc::clone(&dressed.skin),
+                    Some(body_skin) => Arc::clone(&body_skin.skin),
                     None => Arc::new(match (&jelly.mesh, body.skin) {
                         (Some(mesh), SkinChoice::Auto) => {
                             model_skin(lattice, mesh, jelly.paint.as_deref(), jelly.shading.as_deref(), first_particle)
@@ -107,7 +111,7 @@ impl Bodies {
                     }),
                 };
                 let lattice = Arc::clone(lattice);
-                self.dressed.push(Dressed { body: index, lattice, choice: body.skin, first_particle, skin });
+                self.body_skins.push(BodySkin { body: index, lattice, choice: body.skin, first_particle, skin });
             }
             first_particle += u32::try_from(lattice.corners.len()).unwrap_or(u32::MAX);
         }
@@ -134,11 +138,12 @@ impl Bodies {
     /// The skins of the visible bodies, in the scene's order; an empty one for a body that has left the scene.
     pub(super) fn skins(&self, is_there: impl Fn(usize) -> bool) -> Vec<SkinInstance> {
         let style = Style::default();
-        let instance = |dressed: &Dressed| {
-            let skin = if is_there(dressed.body) { Arc::clone(&dressed.skin) } else { Arc::clone(&self.nothing) };
-            SkinInstance { skin, color: style.body(dressed.body) }
+        let instance = |body_skin: &BodySkin| {
+            let skin =
+                if is_there(body_skin.body) { Arc::clone(&body_skin.skin) } else { Arc::clone(&self.empty_skin) };
+            SkinInstance { skin, color: style.body(body_skin.body) }
         };
-        self.dressed.iter().map(instance).collect()
+        self.body_skins.iter().map(instance).collect()
     }
 
     /// The longest extent of a body's model, m; 1 where it has none.
@@ -163,21 +168,21 @@ impl Opened {
     /// # Errors
     /// If a shape cannot be made, or all of them together need more memory than there is.
     pub fn lattices(&self, watch: &dyn Watch) -> Result<Vec<Arc<Lattice>>, SessionError> {
-        let mut library = Library::new(self.base_dir.clone());
-        library.hold(&self.scene.models);
-        Ok(Bodies::resolve(&self.scene, &mut library, watch)?.lattices())
+        let mut shape_cache = ShapeCache::new(self.base_dir.clone());
+        shape_cache.set_embedded(&self.scene.models);
+        Ok(Bodies::resolve(&self.scene, &mut shape_cache, watch)?.lattices())
     }
 }
 
 /// How large every body will be; equal shapes are looked at once.
-fn outlines(scene: &Scene, library: &mut Library, watch: &dyn Watch) -> Result<Vec<Outline>, SessionError> {
+fn outlines(scene: &Scene, shape_cache: &mut ShapeCache, watch: &dyn Watch) -> Result<Vec<Outline>, SessionError> {
     let mut known: Vec<(&Shape, Outline)> = Vec::new();
     let mut outlines = Vec::new();
     for (index, body) in scene.bodies.iter().enumerate() {
         let outline = if let Some((_, outline)) = known.iter().find(|(shape, _)| **shape == body.shape) {
             *outline
         } else {
-            let found = library.outline(&body.shape, watch);
+            let found = shape_cache.outline(&body.shape, watch);
             let outline = found.map_err(|source| SessionError::Shape { index, source })?;
             known.push((&body.shape, outline));
             outline

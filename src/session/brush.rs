@@ -17,31 +17,31 @@ impl Session {
         let count = self.scene.bodies.len();
         let body = self.scene.bodies.get(id.0).ok_or(EditError::NoSuchBody { id, count })?;
         let name = || named(&body.name, "body", id.0);
-        let point = self.rest_place(touch)?;
-        let (mut list, at) = self.cells_about(id, &body.shape, point);
+        let point = self.rest_position_of_touch(touch)?;
+        let (mut list, at) = self.grid_cells_and_point(id, &body.shape, point);
         let Some((touched, beyond)) = face_at(&list, at) else { return Ok(()) };
         if self.stroke.body != Some(id) {
             self.stroke = Stroke { body: Some(id), changed: Vec::new() };
         }
-        let (changed, more) = match touch.change {
+        let (changed, adds) = match touch.change {
             CellChange::Attach => (beyond, true),
             CellChange::Erase => (touched, false),
             CellChange::Paint(inlay) | CellChange::Scrape(inlay) => {
-                let more = touch.change == CellChange::Paint(inlay);
-                let new = body.with_painted(touched, inlay, more);
-                return self.make_touched(id, new, format!("inlays of {}", name()));
+                let adds = touch.change == CellChange::Paint(inlay);
+                let new = body.with_painted(touched, inlay, adds);
+                return self.replace_touched_body(id, new, format!("inlays of {}", name()));
             }
             CellChange::Pin | CellChange::Release => {
                 let new = body.with_pinned(touched, touch.change == CellChange::Pin);
-                return self.make_touched(id, new, format!("pins of {}", name()));
+                return self.replace_touched_body(id, new, format!("pins of {}", name()));
             }
         };
         // A stroke neither builds on a cell that it has added nor digs on where it has taken one away.
-        let other = if more { touched } else { beyond };
+        let other = if adds { touched } else { beyond };
         if self.stroke.changed.contains(&other) {
             return Ok(());
         }
-        if more {
+        if adds {
             list.push(changed);
         } else {
             list.retain(|cell| *cell != changed);
@@ -50,30 +50,30 @@ impl Session {
             return Err(SessionError::LastCell { name: name() });
         }
         let new = if let Shape::Model(model) = &body.shape {
-            Some(Body { shape: Shape::Model(model.with_cell(changed, more)), ..body.clone() })
+            Some(Body { shape: Shape::Model(model.with_cell(changed, adds)), ..body.clone() })
         } else {
             body.with_cells(list)
         };
         // A cell that is taken away holds no particles any more.
-        let new = new.map(|new| if more { new } else { new.with_pinned(changed, false).unwrap_or(new) });
+        let new = new.map(|new| if adds { new } else { new.with_pinned(changed, false).unwrap_or(new) });
         // The first cell turns a cube into a list. Equal words join all cells of a stroke into one change.
         let words = format!("cells of {}", name());
-        self.make_touched(id, new, words)?;
+        self.replace_touched_body(id, new, words)?;
         self.stroke.changed.push(changed);
         Ok(())
     }
 
     /// Replaces a body by what a touch makes of it; does nothing where a touch changes nothing.
-    fn make_touched(&mut self, id: BodyId, new: Option<Body>, words: String) -> Result<(), SessionError> {
+    fn replace_touched_body(&mut self, id: BodyId, new: Option<Body>, words: String) -> Result<(), SessionError> {
         let Some(new) = new else { return Ok(()) };
-        let change = self.make(Edit::Body(id, Box::new(new)), words, false, Arrival::Placed)?;
+        let change = self.make_change(Edit::Body(id, Box::new(new)), words, false, Arrival::Placed)?;
         self.history.record(change);
         Ok(())
     }
 
     /// Returns the cells of a body in the grid in which a brush changes them, and a point of the body (given in its own
     /// coordinates, m) in that grid.
-    fn cells_about(&self, id: BodyId, shape: &Shape, point: DVec3) -> (Vec<[i32; 3]>, DVec3) {
+    fn grid_cells_and_point(&self, id: BodyId, shape: &Shape, point: DVec3) -> (Vec<[i32; 3]>, DVec3) {
         if let Some((list, size)) = own_cells(shape) {
             let at = middle(&list) + point / size;
             return (list, at);
@@ -87,7 +87,7 @@ impl Session {
     }
 
     /// Returns the rest position of the touched point in the body's coordinates, m.
-    fn rest_place(&self, touch: &CellTouch) -> Result<DVec3, SessionError> {
+    fn rest_position_of_touch(&self, touch: &CellTouch) -> Result<DVec3, SessionError> {
         let body = self.simulation.model().bodies.get(touch.body.0).ok_or(SessionError::Pull)?;
         let mut at = DVec3::ZERO;
         for &(particle, weight) in &touch.weights {

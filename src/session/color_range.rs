@@ -7,49 +7,49 @@ use crate::physics::Simulation;
 use crate::scene::ColorBy;
 
 /// The share of particles that the range covers: one torn corner must not grey out all others.
-const SHARE: f64 = 0.99;
+const COVERED_SHARE: f64 = 0.99;
 /// The least range of `load`, as a share of a particle's weight: links within a body at rest carry a few tenths of it.
-const LOAD_SHARE: f64 = 0.1;
+const MIN_LOAD_SHARE: f64 = 0.1;
 /// The least range of strains, %.
-const STRAIN_PERCENT: f64 = 0.1;
+const MIN_STRAIN_PERCENT: f64 = 0.1;
 /// The least range of speeds, in body sizes a second, 1/s.
-const SPEED_PER_SIZE: f64 = 1e-3;
+const MIN_SPEED_PER_SIZE: f64 = 1e-3;
 /// The least acceleration that counts for a particle's weight, in body sizes, 1/s²: it stands in for gravity where there is
 /// none.
-const ACCELERATION_PER_SIZE: f64 = 1.0;
+const MIN_ACCELERATION_PER_SIZE: f64 = 1.0;
 
 /// Returns the range from zero to the value below which 99 % of the scalars lie, or to the least value worth a colour.
 pub(super) fn automatic(simulation: &Simulation<f32>, color: ColorBy, scalars: &[f32]) -> [f32; 2] {
     let mut sorted: Vec<f32> = scalars.iter().copied().filter(|x| x.is_finite()).collect();
     #[expect(clippy::cast_possible_truncation, reason = "colours need no more than f32")]
-    let least = least(simulation, color) as f32;
-    let least = if least > 0.0 { least } else { 1.0 };
+    let min_range = min_range(simulation, color) as f32;
+    let min_range = if min_range > 0.0 { min_range } else { 1.0 };
     if sorted.is_empty() {
-        return [0.0, least];
+        return [0.0, min_range];
     }
     // No torn corner distorts the stiffness of a material.
-    let share = if color == ColorBy::Stiffness { 1.0 } else { SHARE };
+    let share = if color == ColorBy::Stiffness { 1.0 } else { COVERED_SHARE };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a length is an index")]
     let place = ((sorted.len() - 1) as f64 * share) as usize;
     let (_, high, _) = sorted.select_nth_unstable_by(place, f32::total_cmp);
-    [0.0, high.max(least)]
+    [0.0, high.max(min_range)]
 }
 
 /// The least range worth colours, in the scalar's unit. It follows from the weight and size of the bodies.
-fn least(simulation: &Simulation<f32>, color: ColorBy) -> f64 {
+fn min_range(simulation: &Simulation<f32>, color: ColorBy) -> f64 {
     let model = simulation.model();
     let gravity = model.gravity.to_dvec3().length();
     let largest = |of: &dyn Fn(&BodyModel<f32>) -> f64| model.bodies.iter().map(of).fold(0.0, f64::max);
     let weight = |body: &BodyModel<f32>| {
-        let acceleration = gravity.max(ACCELERATION_PER_SIZE * f64::from(body.size));
+        let acceleration = gravity.max(MIN_ACCELERATION_PER_SIZE * f64::from(body.size));
         f64::from(body.particle_mass) * acceleration
     };
     match color {
         ColorBy::Plain | ColorBy::Model | ColorBy::Stiffness => 1.0,
-        ColorBy::Load => LOAD_SHARE * largest(&weight),
+        ColorBy::Load => MIN_LOAD_SHARE * largest(&weight),
         ColorBy::Force | ColorBy::Net | ColorBy::Contact => largest(&weight),
-        ColorBy::Strain => STRAIN_PERCENT,
-        ColorBy::Speed => SPEED_PER_SIZE * largest(&|body| f64::from(body.size)),
+        ColorBy::Strain => MIN_STRAIN_PERCENT,
+        ColorBy::Speed => MIN_SPEED_PER_SIZE * largest(&|body| f64::from(body.size)),
     }
 }
 

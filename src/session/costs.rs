@@ -7,7 +7,7 @@ use crate::physics::{Plan, Simulation, StepReport};
 use crate::report::timer::WallTimer;
 
 /// The measurement that is shown is replaced this often.
-const WINDOW: Duration = Duration::from_millis(500);
+const REFRESH_INTERVAL: Duration = Duration::from_millis(500);
 
 /// The recent cost of a step.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,7 +58,7 @@ impl Costs {
     /// Notes a substep that was taken.
     pub(super) fn note(&mut self, report: &StepReport, simulation: &Simulation) {
         self.report.add(report);
-        if self.since.elapsed() >= WINDOW {
+        if self.since.elapsed() >= REFRESH_INTERVAL {
             let (plan, now_secs) = (simulation.plan(), simulation.state().time_secs);
             self.shown = step_cost(&self.timer, &self.report, (now_secs - self.since_secs) / plan.dt_secs, plan);
             (self.since, self.since_secs) = (Instant::now(), now_secs);
@@ -125,7 +125,7 @@ mod tests {
         for _ in 0..20 {
             assert!(watched.step() && other.step(), "a preset is stable");
         }
-        std::thread::sleep(super::WINDOW);
+        std::thread::sleep(super::REFRESH_INTERVAL);
         watched.step();
         other.step();
         let cost = watched.status().cost.expect("someone looks");

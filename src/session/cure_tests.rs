@@ -87,7 +87,7 @@ fn trials_that_are_stopped_do_nothing_and_go_on_to_the_same_cures() {
     let mut stopped = 0;
     while let Some(trials) = session.trials.as_mut().filter(|trials| !trials.are_over()) {
         stopped += u64::from(trials.given_up(&stop));
-        trials.go_on(Instant::now().checked_add(Duration::from_millis(1)), &AtomicBool::new(false));
+        trials.run_until(Instant::now().checked_add(Duration::from_millis(1)), &AtomicBool::new(false));
     }
     assert!(stopped > 10, "{stopped} substeps were given up");
     let cures = session.status().trouble.expect("trouble").cures;

@@ -49,62 +49,64 @@ impl Exploded<'_> {
     pub(super) fn cures(&self) -> Vec<Cure> {
         let settings = &self.scene.settings;
         if !settings.integrator.has_stable_step() {
-            return [Integrator::SemiImplicit, Integrator::Verlet, Integrator::Implicit].map(|s| self.scheme(s)).into();
+            return [Integrator::SemiImplicit, Integrator::Verlet, Integrator::Implicit]
+                .map(|s| self.scheme_cure(s))
+                .into();
         }
         let mut cures = Vec::new();
         if settings.stepping == Stepping::Manual {
             let automatic = Settings { stepping: Stepping::Auto, ..settings.clone() };
-            cures.push(of_settings("Divide steps automatically".to_owned(), automatic));
+            cures.push(settings_cure("Divide steps automatically".to_owned(), automatic));
         }
         if self.excess > 1.0 {
             let dt = rounded_down(settings.dt / self.excess);
-            cures.push(of_settings(format!("Use a step of {}", step_text(dt)), Settings { dt, ..settings.clone() }));
-            cures.extend(self.materials());
+            cures.push(settings_cure(format!("Use a step of {}", step_text(dt)), Settings { dt, ..settings.clone() }));
+            cures.extend(self.material_cures());
             return cures;
         }
         if settings.contact == ContactRule::Thesis {
             let contact = Settings { contact: ContactRule::Implicit, ..settings.clone() };
-            cures.push(of_settings("Use implicit contact".to_owned(), contact));
+            cures.push(settings_cure("Use implicit contact".to_owned(), contact));
         }
         let others = [Integrator::SemiImplicit, Integrator::Implicit].into_iter();
-        cures.extend(others.filter(|scheme| *scheme != settings.integrator).map(|scheme| self.scheme(scheme)));
+        cures.extend(others.filter(|scheme| *scheme != settings.integrator).map(|scheme| self.scheme_cure(scheme)));
         cures
     }
 
     /// Another scheme, with steps divided as it needs them.
-    fn scheme(&self, integrator: Integrator) -> Cure {
+    fn scheme_cure(&self, integrator: Integrator) -> Cure {
         let settings = Settings { integrator, stepping: Stepping::Auto, ..self.scene.settings.clone() };
         let divided = self.scene.settings.stepping == Stepping::Manual;
         let how = if divided { ", steps divided automatically" } else { "" };
-        of_settings(format!("Use {}{how}", integrator.words()), settings)
+        settings_cure(format!("Use {}{how}", integrator.words()), settings)
     }
 
     /// A softer material and a heavier one.
-    fn materials(&self) -> Vec<Cure> {
+    fn material_cures(&self) -> Vec<Cure> {
         let Some(body) = self.scene.bodies.get(self.body) else { return Vec::new() };
         let cure = |(words, material)| {
             let edit = Edit::Body(BodyId(self.body), Box::new(Body { material, ..body.clone() }));
             Cure { words, edit, restart: true }
         };
-        materials(&body.material, self.excess).map(cure).into()
+        softer_and_heavier(&body.material, self.excess).map(cure).into()
     }
 }
 
 /// The cure for cells turned inside out: they are turned back while the scene runs.
-pub(super) fn turning_back(scene: &Scene) -> Cure {
+pub(super) fn inversion_recovery_cure(scene: &Scene) -> Cure {
     let settings = Settings { inversion_recovery: true, ..scene.settings.clone() };
-    Cure { restart: false, ..of_settings("Turn them back".to_owned(), settings) }
+    Cure { restart: false, ..settings_cure("Turn them back".to_owned(), settings) }
 }
 
-fn of_settings(words: String, settings: Settings) -> Cure {
+fn settings_cure(words: String, settings: Settings) -> Cure {
     Cure { words, edit: Edit::Settings(settings), restart: true }
 }
 
 /// A stable step grows with the root of the mass over the stiffness, and with the mass over the damping: the square of
 /// the excess is enough for both. A solid's damping follows its modulus and density by their root, so that its damping
 /// ratio has to shrink too.
-fn materials(material: &Material, excess: f64) -> [(String, Material); 2] {
-    let factor = rounded_up(excess * excess);
+fn softer_and_heavier(material: &Material, excess: f64) -> [(String, Material); 2] {
+    let factor = round_up_to_three_digits(excess * excess);
     let [soft, heavy] = match material {
         Material::Springs(springs) => {
             let softer =
@@ -126,7 +128,7 @@ fn materials(material: &Material, excess: f64) -> [(String, Material); 2] {
 }
 
 /// Rounds up to three significant digits, so that a person reads the very number that is used.
-fn rounded_up(value: f64) -> f64 {
+fn round_up_to_three_digits(value: f64) -> f64 {
     let unit = libm::pow(10.0, libm::floor(libm::log10(value)) - 2.0);
     libm::ceil(value / unit) * unit
 }
@@ -138,7 +140,7 @@ mod tests {
     #[test]
     fn a_factor_is_rounded_to_more_and_reads_as_it_is() {
         for (value, text) in [(7.962, "7.97"), (1.0001, "1.01"), (123.4, "124"), (3.31, "3.31")] {
-            let rounded = rounded_up(value);
+            let rounded = round_up_to_three_digits(value);
             assert!(rounded >= value * (1.0 - 1e-12) && three_digits(rounded) == text, "{value} became {rounded}");
         }
     }

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::gather::{CollectError, with_models_inside};
-use super::model_paths::{absolute, model_files, plain, seen_from};
+use super::model_paths::{absolute, model_files, normalized, relative_to};
 use crate::disk::{self, fnv1a, folder_of};
 use crate::geometry::import;
 use crate::scene::file::SceneFileError;
@@ -185,7 +185,9 @@ impl Document {
             return Err(SaveError::ChangedOnDisk(file));
         }
         let mut written = match models {
-            ModelPlace::Beside if scene.models.is_empty() => moved(scene, &self.base_dir, &folder_of(&file))?,
+            ModelPlace::Beside if scene.models.is_empty() => {
+                rebase_model_paths(scene, &self.base_dir, &folder_of(&file))?
+            }
             _ => with_models_inside(scene, &self.base_dir).map_err(Box::new)?,
         };
         written.view.camera = camera;
@@ -207,12 +209,12 @@ fn fingerprint(file: &Path) -> Option<u64> {
 
 /// Returns the scene with its model paths as seen from another folder: relative where the two have a folder in common,
 /// absolute otherwise.
-pub fn moved(scene: &Scene, from: &Path, to: &Path) -> Result<Scene, SaveError> {
+pub fn rebase_model_paths(scene: &Scene, from: &Path, to: &Path) -> Result<Scene, SaveError> {
     let mut scene = scene.clone();
-    let [from, to] = [from, to].map(|folder| plain(&absolute(folder)));
+    let [from, to] = [from, to].map(|folder| normalized(&absolute(folder)));
     for (whose, path) in model_files(&mut scene) {
         if from != to || Path::new(&*path).is_absolute() {
-            let found = seen_from(&from.join(&*path), &to);
+            let found = relative_to(&from.join(&*path), &to);
             let text = found.to_str().map(|text| if cfg!(windows) { text.replace('\\', "/") } else { text.to_owned() });
             *path = text.ok_or(SaveError::ModelPath { whose, path: found })?;
         }
@@ -254,7 +256,7 @@ mod tests {
     }
 
     fn moved_path(path: &str, from: &str, to: &str) -> String {
-        let scene = moved(&with_model(path), Path::new(from), Path::new(to)).expect("UTF-8");
+        let scene = rebase_model_paths(&with_model(path), Path::new(from), Path::new(to)).expect("UTF-8");
         let Shape::Model(model) = &scene.bodies[0].shape else { panic!("a model") };
         model.path.clone()
     }

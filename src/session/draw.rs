@@ -17,7 +17,7 @@ impl Session {
         if self.picture.drawn != Some(now) {
             let positions = self.simulation.state().position.iter().map(glam::Vec3::to_array);
             let mut positions: Vec<_> = positions.collect();
-            self.place_swing(&mut positions);
+            self.displace_by_modes(&mut positions);
             self.picture.particles = Arc::new(positions);
             let scalars = extract::scalars::scalars(&self.simulation, view.color);
             let shown = scalars.as_deref().unwrap_or_default();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use super::beside::while_awaited;
+use super::cancellation::run_until_cancelled;
 use super::history::{Change, Undone};
 use super::words::{value_at, words};
 use super::{Bodies, Session, SessionError};
@@ -14,25 +14,25 @@ use crate::geometry::watch::Portion;
 use crate::math::rotation;
 use crate::physics::Simulation;
 use crate::physics::{Arrival, BodyMotion};
-use crate::scene::cell_brush::{middle_from, own_cells};
+use crate::scene::cell_brush::{middle_shift, own_cells};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
 use crate::scene::param::Problem;
 use crate::scene::resolve::{Jelly, load_meshes};
 use crate::scene::{Body, MovesBy, Pose, Scene, Shape};
 
 /// The progress of a change once its bodies are made, and once they are compiled for simulation.
-const MADE: f64 = 0.4;
-const COMPILED: f64 = 0.9;
+const BODIES_MADE_PROGRESS: f64 = 0.4;
+const COMPILED_PROGRESS: f64 = 0.9;
 
 impl Session {
     /// Changes the scene and remembers how to take the change back. New names are made unique.
     pub(super) fn edit(&mut self, mut edit: Edit, arrival: Arrival) -> Result<(), SessionError> {
-        self.scene.tell_apart(&mut edit);
+        self.scene.make_names_unique(&mut edit);
         let words = words(&self.scene, &edit);
         if words.is_empty() && edit.replaces_a_node_of(&self.scene) {
             return Ok(());
         }
-        let change = self.make(edit, words, false, arrival)?;
+        let change = self.make_change(edit, words, false, arrival)?;
         self.history.record(change);
         Ok(())
     }
@@ -43,7 +43,7 @@ impl Session {
         let mut body = self.scene.bodies.get(id.0).cloned().ok_or(EditError::NoSuchBody { id, count })?;
         let words = format!("teleport {}", body.name);
         body.pose.position = place;
-        let change = self.make(Edit::Body(id, Box::new(body)), words, true, Arrival::Placed)?;
+        let change = self.make_change(Edit::Body(id, Box::new(body)), words, true, Arrival::Placed)?;
         self.history.record(change);
         self.history.close();
         Ok(())
@@ -52,7 +52,7 @@ impl Session {
     /// Adds a body whose shape is ready.
     pub(super) fn add_body(&mut self, body: Box<Body>, jelly: Jelly) -> Result<(), SessionError> {
         self.history.close();
-        self.library.put(body.shape.clone(), jelly);
+        self.shape_cache.insert(body.shape.clone(), jelly);
         self.edit(Edit::InsertBody(BodyId(self.scene.bodies.len()), body), Arrival::Placed)?;
         self.history.close();
         Ok(())
@@ -61,7 +61,7 @@ impl Session {
     /// Gives a body another shape that was made ready elsewhere.
     pub(super) fn refill(&mut self, id: BodyId, body: Box<Body>, jelly: Jelly) -> Result<(), SessionError> {
         self.history.close();
-        self.library.put(body.shape.clone(), jelly);
+        self.shape_cache.insert(body.shape.clone(), jelly);
         self.edit(Edit::Body(id, body), Arrival::Placed)?;
         self.history.close();
         Ok(())
@@ -79,11 +79,11 @@ impl Session {
     /// Takes the last change back, with the motion of the body it moved or removed.
     pub(super) fn undo(&mut self) -> Result<(), SessionError> {
         let Some(change) = self.history.pop_done() else { return Ok(()) };
-        match self.carry_out(change.inverse.clone(), Arrival::Placed) {
+        match self.apply_edit(change.inverse.clone(), Arrival::Placed) {
             Ok(applied) => {
                 if let Some((body, motion)) = &change.motion {
                     self.simulation.set_body_motion(*body, motion);
-                    self.picture.touch();
+                    self.picture.invalidate();
                 }
                 let Change { words, teleport, .. } = change;
                 self.history.push_undone(Undone { edit: applied.inverse, words, teleport });
@@ -99,7 +99,7 @@ impl Session {
     /// Makes the change again that was taken back last.
     pub(super) fn redo(&mut self) -> Result<(), SessionError> {
         let Some(Undone { edit, words, teleport }) = self.history.pop_undone() else { return Ok(()) };
-        match self.make(edit.clone(), words.clone(), teleport, Arrival::Placed) {
+        match self.make_change(edit.clone(), words.clone(), teleport, Arrival::Placed) {
             Ok(change) => {
                 self.history.push(change);
                 Ok(())
@@ -112,37 +112,37 @@ impl Session {
     }
 
     /// Carries an edit out, and tells how to take it back.
-    pub(super) fn make(
+    pub(super) fn make_change(
         &mut self,
         edit: Edit,
         words: String,
         teleport: bool,
         arrival: Arrival,
     ) -> Result<Change, SessionError> {
-        let edit = self.held_where_it_is(edit);
-        let motion = if teleport || self.moves(&edit) { self.motion_before(&edit) } else { None };
-        let Applied { inverse, impact } = self.carry_out(edit, arrival)?;
+        let edit = self.pinned_where_it_is(edit);
+        let motion = if teleport || self.may_move_body(&edit) { self.motion_before(&edit) } else { None };
+        let Applied { inverse, impact } = self.apply_edit(edit, arrival)?;
         if let Some((body, _)) = motion.as_ref().filter(|_| teleport && impact < Impact::Motion) {
             let rotation_deg = self.scene.bodies[*body].pose.rotation_deg;
             self.simulation.teleport_body(*body, rotation_deg, rotation_deg);
-            self.picture.touch();
+            self.picture.invalidate();
         }
         Ok(Change { inverse, words, motion: motion.filter(|_| teleport || impact >= Impact::Motion), teleport })
     }
 
     /// Lets an edit that first pins a body moving by its modes pin it where it is now: the modes of a pinned body are about
     /// its start.
-    fn held_where_it_is(&self, edit: Edit) -> Edit {
+    fn pinned_where_it_is(&self, edit: Edit) -> Edit {
         let Edit::Body(id, mut new) = edit else { return edit };
         let old = self.scene.bodies.get(id.0).filter(|_| !self.simulation.is_at_start());
-        if old.is_some_and(|old| is_first_held(old, &new) && old.pose == new.pose) {
-            new.pose = self.pose_now(id.0).unwrap_or(new.pose);
+        if old.is_some_and(|old| pins_free_modal_body(old, &new) && old.pose == new.pose) {
+            new.pose = self.current_pose(id.0).unwrap_or(new.pose);
         }
         Edit::Body(id, new)
     }
 
     /// Returns the pose of a free body that moves by its modes as it is now, without its swing.
-    fn pose_now(&self, body: usize) -> Option<Pose> {
+    fn current_pose(&self, body: usize) -> Option<Pose> {
         let inertia = self.simulation.model().bodies[body].inertia()?;
         let rigid = self.simulation.state().modal[body].rigid?;
         let position = rigid.center - rigid.turn * inertia.center;
@@ -151,7 +151,7 @@ impl Session {
     }
 
     /// Whether an edit may move, reshape or remove a body: a constant that changes needs no copy of its motion.
-    fn moves(&self, edit: &Edit) -> bool {
+    fn may_move_body(&self, edit: &Edit) -> bool {
         let Edit::Body(id, new) = edit else { return true };
         let Some(old) = self.scene.bodies.get(id.0) else { return true };
         body_impact(old, new) >= Impact::Motion
@@ -167,44 +167,44 @@ impl Session {
     }
 
     /// Changes the scene and everything that depends on it; on an error nothing changes.
-    fn carry_out(&mut self, edit: Edit, arrival: Arrival) -> Result<Applied, SessionError> {
-        let kept_bodies = kept_bodies(&edit, self.scene.bodies.len());
-        let kept_obstacles = kept_obstacles(&edit, self.scene.obstacles.len());
+    fn apply_edit(&mut self, edit: Edit, arrival: Arrival) -> Result<Applied, SessionError> {
+        let old_body_indices = old_body_indices(&edit, self.scene.bodies.len());
+        let old_obstacle_indices = old_obstacle_indices(&edit, self.scene.obstacles.len());
         let edited_body = if let Edit::Body(id, _) = &edit { Some(id.0) } else { None };
         let mut scene = Scene::clone(&self.scene);
-        let applied = scene.apply(edit).map_err(|error| self.in_words(error))?;
-        load_meshes(&mut scene, self.library.base_dir(), &())?;
+        let applied = scene.apply(edit).map_err(|error| self.error_in_words(error))?;
+        load_meshes(&mut scene, self.shape_cache.base_dir(), &())?;
         let scene = Arc::new(scene);
         match applied.impact {
-            Impact::Topology => self.rebuild(&scene, &kept_bodies)?,
+            Impact::Topology => self.rebuild(&scene, &old_body_indices)?,
             Impact::Parameters | Impact::Motion => {
                 if let Some(problem) = self.bodies.part_problem(&scene) {
-                    return Err(self.in_words(EditError::BadValue(problem)));
+                    return Err(self.error_in_words(EditError::BadValue(problem)));
                 }
-                self.simulation.set_parameters(&scene, &self.bodies.lattices(), &kept_obstacles, arrival);
+                self.simulation.set_parameters(&scene, &self.bodies.lattices(), &old_obstacle_indices, arrival);
             }
             Impact::Appearance => (),
         }
         if let Some(body) = edited_body {
-            self.follow_start(body, &scene);
+            self.move_to_new_start(body, &scene);
         }
-        self.bodies.dress(&scene);
+        self.bodies.update_skins(&scene);
         if applied.impact > Impact::Appearance {
             self.forget_trouble();
-            self.step_errors.forget();
-            self.picture.touch();
+            self.step_errors.reset();
+            self.picture.invalidate();
         }
         self.scene = scene;
-        self.end_old_swing();
-        self.follow_modes();
+        self.end_outdated_swing();
+        self.update_modes();
         self.find_inversion();
         self.find_notice();
-        self.find_safe_values();
+        self.update_body_analyses();
         Ok(applied)
     }
 
     /// Words why an edit is refused, without paths.
-    fn in_words(&self, error: EditError) -> SessionError {
+    fn error_in_words(&self, error: EditError) -> SessionError {
         match error {
             EditError::BadValue(Problem { path, message }) => {
                 SessionError::Value { what: value_at(&self.scene, &path), message }
@@ -218,10 +218,10 @@ impl Session {
     fn rebuild(&mut self, scene: &Arc<Scene>, kept: &[Option<usize>]) -> Result<(), SessionError> {
         let progress = self.progress.clone();
         let watch: &dyn Watch = progress.as_ref().map_or(&(), |progress| &**progress);
-        let making = Portion::new(watch, [0.0, MADE]);
-        let bodies = Bodies::resolve(scene, &mut self.library, &making).map_err(|error| match error {
+        let making = Portion::new(watch, [0.0, BODIES_MADE_PROGRESS]);
+        let bodies = Bodies::resolve(scene, &mut self.shape_cache, &making).map_err(|error| match error {
             _ if watch.cancelled() => SessionError::ChangeStopped,
-            SessionError::Part(problem) => self.in_words(EditError::BadValue(problem)),
+            SessionError::Part(problem) => self.error_in_words(EditError::BadValue(problem)),
             error => error,
         })?;
         let same_shape = |(new, old): (usize, &Option<usize>)| {
@@ -230,20 +230,20 @@ impl Session {
         let goes_on = !self.simulation.is_at_start();
         let refilled = |(new, old): (usize, &Option<usize>)| {
             let old = old.filter(|_| goes_on)?;
-            Some((new, old, refill(&self.scene.bodies[old], &scene.bodies[new])?))
+            Some((new, old, reshape_of(&self.scene.bodies[old], &scene.bodies[new])?))
         };
         let reshaped: Vec<_> = kept.iter().enumerate().filter_map(refilled).collect();
         let kept: Vec<_> = kept.iter().enumerate().map(same_shape).collect();
-        watch.progress(MADE);
+        watch.progress(BODIES_MADE_PROGRESS);
         let (compiled, lattices, modes) = (Arc::clone(scene), bodies.lattices(), self.known_modes(scene));
         let compile = move || Simulation::with_modes(&compiled, &lattices, &modes);
-        let mut simulation = while_awaited(watch, compile).ok_or(SessionError::ChangeStopped)?;
-        watch.progress(COMPILED);
+        let mut simulation = run_until_cancelled(watch, compile).ok_or(SessionError::ChangeStopped)?;
+        watch.progress(COMPILED_PROGRESS);
         simulation.carry_over(&self.simulation, &kept);
-        for (body, old, refill) in reshaped {
-            let (scale, shift) = match refill {
-                Refill::Model => (bodies.model_length(body) / self.bodies.model_length(old), DVec3::ZERO),
-                Refill::Cells { shift } => (1.0, shift),
+        for (body, old, reshape) in reshaped {
+            let (scale, shift) = match reshape {
+                Reshape::Model => (bodies.model_length(body) / self.bodies.model_length(old), DVec3::ZERO),
+                Reshape::Cells { shift } => (1.0, shift),
             };
             simulation.reshape_body(body, &self.simulation, old, scale, shift);
         }
@@ -257,7 +257,7 @@ impl Session {
     }
 
     /// Moves a body whose start was changed.
-    fn follow_start(&mut self, body: usize, scene: &Scene) {
+    fn move_to_new_start(&mut self, body: usize, scene: &Scene) {
         let (old, new) = (&self.scene.bodies[body], &scene.bodies[body]);
         let moved = (old.pose, old.velocity) != (new.pose, new.velocity);
         if !moved || old.shape != new.shape {
@@ -265,8 +265,8 @@ impl Session {
         }
         if self.simulation.is_at_start() {
             self.simulation.restart_body(body);
-        } else if is_first_held(old, new) {
-            // `held_where_it_is` has already put its start where the body is.
+        } else if pins_free_modal_body(old, new) {
+            // `pinned_where_it_is` has already put its start where the body is.
         } else if old.pose == new.pose {
             self.simulation.throw_body(body);
         } else {
@@ -276,25 +276,25 @@ impl Session {
 }
 
 /// Whether an edit pins a body that moves by its modes and was free.
-fn is_first_held(old: &Body, new: &Body) -> bool {
+fn pins_free_modal_body(old: &Body, new: &Body) -> bool {
     let goes_on_by_modes = [old, new].iter().all(|body| body.moves_by == MovesBy::Modes);
     goes_on_by_modes && !old.has_pins() && new.has_pins()
 }
 
 /// How the cells of a body have changed, if those that stay keep their motion.
-enum Refill {
+enum Reshape {
     /// The same model is filled or scaled in another way.
     Model,
     /// Cells were added or taken away in the same grid; the middle of the body moves by this much, m.
     Cells { shift: DVec3 },
 }
 
-fn refill(old: &Body, new: &Body) -> Option<Refill> {
+fn reshape_of(old: &Body, new: &Body) -> Option<Reshape> {
     let same_start = (old.pose, old.velocity) == (new.pose, new.velocity);
     match (&old.shape, &new.shape) {
         (Shape::Model(of_old), Shape::Model(of_new)) => {
             let same_model = (&of_old.path, of_old.up) == (&of_new.path, of_new.up);
-            (same_start && of_old != of_new && same_model).then_some(Refill::Model)
+            (same_start && of_old != of_new && same_model).then_some(Reshape::Model)
         }
         (old_shape, new_shape) if old_shape != new_shape => {
             // The new start must keep the remaining cells where they were.
@@ -304,31 +304,31 @@ fn refill(old: &Body, new: &Body) -> Option<Refill> {
                 Some((moved.pose, moved.velocity) == (to.pose, to.velocity))
             };
             let is_same_grid = same_cells(old, new)? || same_cells(new, old)?;
-            is_same_grid.then_some(Refill::Cells { shift: middle_from(old_shape, new_shape)? })
+            is_same_grid.then_some(Reshape::Cells { shift: middle_shift(old_shape, new_shape)? })
         }
         _ => None,
     }
 }
 
 /// For every body after an edit, its place in the scene before it, if it was there.
-fn kept_bodies(edit: &Edit, before: usize) -> Vec<Option<usize>> {
+fn old_body_indices(edit: &Edit, before: usize) -> Vec<Option<usize>> {
     match edit {
-        Edit::InsertBody(id, _) => with_gap(id.0, before),
-        Edit::RemoveBody(id) => without(id.0, before),
+        Edit::InsertBody(id, _) => indices_after_insertion(id.0, before),
+        Edit::RemoveBody(id) => indices_after_removal(id.0, before),
         _ => (0..before).map(Some).collect(),
     }
 }
 
 /// For every obstacle after an edit, its place in the scene before it, if it was there.
-fn kept_obstacles(edit: &Edit, before: usize) -> Vec<Option<usize>> {
+fn old_obstacle_indices(edit: &Edit, before: usize) -> Vec<Option<usize>> {
     match edit {
-        Edit::InsertObstacle(id, _) => with_gap(id.0, before),
-        Edit::RemoveObstacle(id) => without(id.0, before),
+        Edit::InsertObstacle(id, _) => indices_after_insertion(id.0, before),
+        Edit::RemoveObstacle(id) => indices_after_removal(id.0, before),
         _ => (0..before).map(Some).collect(),
     }
 }
 
-fn with_gap(place: usize, before: usize) -> Vec<Option<usize>> {
+fn indices_after_insertion(place: usize, before: usize) -> Vec<Option<usize>> {
     let mut kept: Vec<_> = (0..before).map(Some).collect();
     if place <= before {
         kept.insert(place, None);
@@ -336,6 +336,6 @@ fn with_gap(place: usize, before: usize) -> Vec<Option<usize>> {
     kept
 }
 
-fn without(place: usize, before: usize) -> Vec<Option<usize>> {
+fn indices_after_removal(place: usize, before: usize) -> Vec<Option<usize>> {
     (0..before).filter(|&old| old != place).map(Some).collect()
 }

@@ -15,7 +15,7 @@ use crate::scene::resolve::{MeshError, ResolveError};
 use crate::text::echo_path;
 
 /// Speeds a person may ask for, simulated seconds a wall second.
-pub(super) const SPEEDS: [f64; 2] = [0.01, 10.0];
+pub(super) const SPEED_RANGE: [f64; 2] = [0.01, 10.0];
 
 impl From<MeshError> for SessionError {
     fn from(MeshError { obstacle, source }: MeshError) -> Self {
@@ -97,7 +97,7 @@ pub enum SessionError {
         source: StateError,
     },
     /// A speed outside the range.
-    #[error("a speed of {speed} is outside {} … {}", SPEEDS[0], SPEEDS[1])]
+    #[error("a speed of {speed} is outside {} … {}", SPEED_RANGE[0], SPEED_RANGE[1])]
     Speed {
         /// The speed asked for.
         speed: f64,

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::background::{BackgroundError, Paced};
+use super::background::{BackgroundError, PausingWatch};
 use super::document::Opened;
 use super::progress::Progress;
 use super::step_words::step_text;
@@ -18,22 +18,22 @@ use crate::scene::{Scene, Settings, ViewSettings};
 use crate::view::legend::three_digits;
 
 /// The least and the most simulated time that is compared, s; the least is compared whatever work it takes.
-const SECONDS: [f64; 2] = [0.2, 1.2];
+const COMPARED_SECS: [f64; 2] = [0.2, 1.2];
 /// The time that is compared after the first contact, and of a motion without contact, s.
 const AFTER_CONTACT_SECS: f64 = 0.4;
 const WITHOUT_CONTACT_SECS: f64 = 0.6;
 /// The most link forces to evaluate where more than the least time is compared: about a minute of work.
-const MOST_LINK_FORCES: f64 = 6e9;
+const MAX_LINK_FORCES: f64 = 6e9;
 /// The approximate share of the work that looking for the first contact takes.
-const LOOKING_AHEAD: f64 = 0.01;
+const CONTACT_SEARCH_SHARE: f64 = 0.01;
 /// As in [`Effort`]: the most runs of each choice, the time in all after which a run is not repeated, the most steps
 /// measured, and the step of the reference as a share of the smallest of these.
-const REPEATS: usize = 3;
-const ENOUGH: Duration = Duration::from_millis(100);
-const MOST_RUNGS: u32 = 7;
-const FINER: f64 = 0.125;
+const MAX_REPEATS: usize = 3;
+const MAX_REPEATED_TIME: Duration = Duration::from_millis(100);
+const MAX_RUNGS: u32 = 7;
+const REFERENCE_STEP_SHARE: f64 = 0.125;
 /// Steps that differ by a smaller share count as equal.
-const SAME: f64 = 1e-9;
+const EQUAL_STEP_TOLERANCE: f64 = 1e-9;
 
 /// A scheme and a step, as the settings of a scene choose them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,13 +111,13 @@ pub fn error_curve(
     pause: &(dyn Fn() + Sync),
 ) -> Result<ErrorCurve, BackgroundError> {
     if scene.bodies.is_empty() {
-        return Err(BackgroundError::Nothing("the scene has no body"));
+        return Err(BackgroundError::NotPossible("the scene has no body"));
     }
-    let watch = Paced { progress, pause };
+    let watch = PausingWatch { progress, pause };
     let opened = Opened::without_file(scene.clone(), String::new(), base_dir.to_owned());
     let lattices = opened.lattices(&CancelOnly(&watch))?;
     let span = Span::of(scene, &lattices, &watch).ok_or(BackgroundError::Cancelled)?;
-    let whole = Portion::new(&watch, [LOOKING_AHEAD, 1.0]);
+    let whole = Portion::new(&watch, [CONTACT_SEARCH_SHARE, 1.0]);
     let figures =
         measure("", scene, &lattices, effort(span.simulated_secs), &whole).ok_or(BackgroundError::Cancelled)?;
     Ok(ErrorCurve {
@@ -131,10 +131,10 @@ pub fn error_curve(
 fn effort(seconds: f64) -> Effort {
     Effort {
         seconds,
-        repeats: REPEATS,
-        enough: ENOUGH,
-        most_rungs: MOST_RUNGS,
-        finer: FINER,
+        repeats: MAX_REPEATS,
+        enough: MAX_REPEATED_TIME,
+        most_rungs: MAX_RUNGS,
+        finer: REFERENCE_STEP_SHARE,
         side_by_side: false,
         around_limits: true,
     }
@@ -144,11 +144,11 @@ impl Span {
     /// Chooses a stretch that holds the first contact and what follows it, unless that is too much work. None where `watch`
     /// cancels.
     fn of(scene: &Scene, lattices: &[Arc<Lattice>], watch: &dyn Watch) -> Option<Self> {
-        let [least, most] = SECONDS;
+        let [least, most] = COMPARED_SECS;
         let mut ahead = Simulation::<f32>::new(scene, lattices);
         let mut first_contact_secs = None;
         while ahead.state().time_secs < most && !ahead.has_diverged() && first_contact_secs.is_none() {
-            watch.progress(LOOKING_AHEAD * ahead.state().time_secs / most);
+            watch.progress(CONTACT_SEARCH_SHARE * ahead.state().time_secs / most);
             if watch.cancelled() {
                 return None;
             }
@@ -157,13 +157,13 @@ impl Span {
         }
         let links: usize = ahead.model().link_counts().iter().sum();
         let of_a_second = links as f64 * evaluations_per_second(scene, lattices, effort(1.0));
-        Some(Self::chosen(first_contact_secs, (MOST_LINK_FORCES / of_a_second.max(1.0)).max(least)))
+        Some(Self::chosen(first_contact_secs, (MAX_LINK_FORCES / of_a_second.max(1.0)).max(least)))
     }
 
     /// Chooses as much as is wanted, and no more than is affordable.
     fn chosen(first_contact_secs: Option<f64>, affordable_secs: f64) -> Self {
         let wanted = first_contact_secs.map_or(WITHOUT_CONTACT_SECS, |contact| contact + AFTER_CONTACT_SECS);
-        let wanted = wanted.clamp(WITHOUT_CONTACT_SECS, SECONDS[1]);
+        let wanted = wanted.clamp(WITHOUT_CONTACT_SECS, COMPARED_SECS[1]);
         let looks = libm::floor(wanted.min(affordable_secs) / LOOK_SECS + 1e-9);
         Self { simulated_secs: LOOK_SECS * looks, first_contact_secs, cut_short: affordable_secs < wanted }
     }
@@ -226,7 +226,7 @@ impl ErrorCurve {
     pub fn unknown_words(&self, choice: StepChoice) -> String {
         let of_scheme = || self.points.iter().filter(|point| point.choice.integrator == choice.integrator);
         let steps = |point: &CurvePoint| step_text(point.choice.dt_secs);
-        let is_above = |point: &&CurvePoint| point.choice.dt_secs > choice.dt_secs * (1.0 + SAME);
+        let is_above = |point: &&CurvePoint| point.choice.dt_secs > choice.dt_secs * (1.0 + EQUAL_STEP_TOLERANCE);
         // The largest step stands first.
         let above = of_scheme().take_while(is_above).last();
         let below = of_scheme().find(|point| !is_above(point));
@@ -246,7 +246,7 @@ impl ErrorCurve {
 impl CurvePoint {
     /// Whether its step is that of a choice.
     fn is_step(&self, choice: StepChoice) -> bool {
-        (self.choice.dt_secs / choice.dt_secs - 1.0).abs() < SAME
+        (self.choice.dt_secs / choice.dt_secs - 1.0).abs() < EQUAL_STEP_TOLERANCE
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::cures::{Cure, Exploded, turning_back};
+use super::cures::{Cure, Exploded, inversion_recovery_cure};
 use super::step_words::{limit_text, step_text};
 use super::trials::Trials;
 use super::{Session, Trouble};
@@ -15,10 +15,10 @@ use crate::scene::{Body, Family, Material, Springs};
 use crate::view::legend::three_digits;
 
 /// What an explosion is called.
-const EXPLODED: &str = "It exploded";
+const EXPLOSION_TITLE: &str = "It exploded";
 
 /// What was done about it.
-const STOPPED: &str = "The simulation exploded and was stopped at its last good state";
+const STOPPED_WORDS: &str = "The simulation exploded and was stopped at its last good state";
 
 /// Simulated time after which a cure that did not help a broken body is tried again, s.
 const RETRY_SECS: f64 = 1.0;
@@ -35,16 +35,16 @@ impl Session {
             "{broken} of {cells} cells are turned inside out. Their springs are as long as they want to be, so nothing \
              turns them back: a spring knows lengths, not left from right."
         );
-        Some(self.told("It broke", words))
+        Some(self.trouble_with_cures("It broke", words))
     }
 
     /// Builds what a person is shown, with the cures found so far.
-    fn told(&self, title: &str, words: String) -> Trouble {
+    fn trouble_with_cures(&self, title: &str, words: String) -> Trouble {
         Trouble {
             title: title.to_owned(),
             words,
             stopped: self.simulation.has_diverged(),
-            cures: self.trials.as_ref().map(|trials| trials.holds().to_vec()).unwrap_or_default(),
+            cures: self.trials.as_ref().map(|trials| trials.helpful_cures().to_vec()).unwrap_or_default(),
             looking: self.trials.as_ref().is_some_and(|trials| !trials.are_over()),
             guilty_links: Arc::default(),
         }
@@ -60,7 +60,7 @@ impl Session {
         if self.inverted_cells == 0 {
             self.trials = None;
         } else if self.trials.as_ref().is_none_or(|trials| self.is_worth_another_trial(trials)) {
-            self.try_cures(vec![turning_back(&self.scene)]);
+            self.try_cures(vec![inversion_recovery_cure(&self.scene)]);
         }
     }
 
@@ -68,7 +68,7 @@ impl Session {
     /// crushed.
     fn is_worth_another_trial(&self, trials: &Trials) -> bool {
         let since_secs = self.simulation.state().time_secs - trials.began_at_secs();
-        trials.are_over() && trials.holds().is_empty() && since_secs >= RETRY_SECS
+        trials.are_over() && trials.helpful_cures().is_empty() && since_secs >= RETRY_SECS
     }
 
     /// Begins to try cures.
@@ -89,17 +89,17 @@ impl Session {
     }
 
     /// Goes on trying cures until this instant, or until all are tried.
-    pub(super) fn look_for_cures(&mut self, until: Option<Instant>) {
+    pub(super) fn continue_trials(&mut self, until: Option<Instant>) {
         if let Some(trials) = &mut self.trials {
-            trials.go_on(until, &self.stop);
+            trials.run_until(until, &self.stop);
         }
     }
 
     /// Returns what is wrong, if anything is, with the cures found so far.
-    pub(super) fn trouble_now(&self) -> Option<Trouble> {
+    pub(super) fn current_trouble(&self) -> Option<Trouble> {
         let Some(trouble) = &self.trouble else { return self.explain_inversion() };
         let Trouble { title, words, guilty_links, .. } = trouble.clone();
-        Some(Trouble { guilty_links, ..self.told(&title, words) })
+        Some(Trouble { guilty_links, ..self.trouble_with_cures(&title, words) })
     }
 
     /// Explains why the simulation has just been stopped.
@@ -111,29 +111,33 @@ impl Session {
         let (dt_secs, limits) = (plan.substep_secs(), plan.limits_at_work());
         let safe_secs = plan.limits_at_work().dt_safe_secs.unwrap_or(f64::INFINITY);
         if dt_secs <= safe_secs || plan.scheme == Scheme::Implicit {
-            return self.told(EXPLODED, format!("{STOPPED}. Nothing in the scene is known to be the reason."));
+            return self.trouble_with_cures(
+                EXPLOSION_TITLE,
+                format!("{STOPPED_WORDS}. Nothing in the scene is known to be the reason."),
+            );
         }
-        let guilty = limits.limited_by(plan.dt_secs);
+        let limiting_term = limits.limited_by(plan.dt_secs);
         let body = self.fastest_body();
-        let against = self.scene.bodies.get(body).map_or_else(String::new, |body| accuse(guilty, body));
+        let value_and_mass =
+            self.scene.bodies.get(body).map_or_else(String::new, |body| too_large_value_words(limiting_term, body));
         let words = format!(
-            "{STOPPED}. A step of {} is too large for {against}: the largest safe step is {}.",
+            "{STOPPED_WORDS}. A step of {} is too large for {value_and_mass}: the largest safe step is {}.",
             step_text(dt_secs),
             limit_text(safe_secs)
         );
-        let guilty_links = Arc::new(extract::guilty::guilty_links(&self.simulation, body, families(guilty)));
-        Trouble { guilty_links, ..self.told(EXPLODED, words) }
+        let guilty_links = Arc::new(extract::guilty::guilty_links(&self.simulation, body, families_of(limiting_term)));
+        Trouble { guilty_links, ..self.trouble_with_cures(EXPLOSION_TITLE, words) }
     }
 
     fn without_stable_step(&self) -> Trouble {
         let scheme = Integrator::from(self.simulation.plan().scheme).words();
         let words = format!(
-            "{STOPPED}: {scheme} has no stable step. It gives every vibration energy, less in smaller steps but always \
-             some."
+            "{STOPPED_WORDS}: {scheme} has no stable step. It gives every vibration energy, less in smaller steps but \
+             always some."
         );
         // The vibration that grows fastest has ended it: no family is more to blame than another.
         let guilty_links = extract::guilty::guilty_links(&self.simulation, self.fastest_body(), &Family::ALL);
-        Trouble { guilty_links: Arc::new(guilty_links), ..self.told(EXPLODED, words) }
+        Trouble { guilty_links: Arc::new(guilty_links), ..self.trouble_with_cures(EXPLOSION_TITLE, words) }
     }
 
     /// The body with the fastest particle: the one that broke.
@@ -148,8 +152,8 @@ impl Session {
 }
 
 /// The families whose links are at fault.
-fn families(guilty: Term) -> &'static [Family] {
-    match guilty {
+fn families_of(limiting_term: Term) -> &'static [Family] {
+    match limiting_term {
         Term::Stiffness(family) | Term::Damping(family) => match family {
             Family::Structural => &[Family::Structural],
             Family::Shear => &[Family::Shear],
@@ -161,34 +165,34 @@ fn families(guilty: Term) -> &'static [Family] {
 }
 
 /// The value that is too large, and the mass it is too large for.
-fn accuse(guilty: Term, body: &Body) -> String {
+fn too_large_value_words(limiting_term: Term, body: &Body) -> String {
     match &body.material {
-        Material::Springs(springs) => accuse_springs(guilty, springs),
+        Material::Springs(springs) => too_large_spring_words(limiting_term, springs),
         Material::Solid(solid) => {
             let density = three_digits(solid.density);
             let modulus = three_digits(solid.young_modulus);
-            match guilty {
+            match limiting_term {
                 Term::Stiffness(_) => format!("a Young's modulus of {modulus} Pa with a density of {density} kg/m³"),
                 Term::Damping(_) => format!("a damping ratio of {}", three_digits(solid.damping_ratio)),
                 Term::Contact | Term::User | Term::Combined => {
-                    format!("{} with a density of {density} kg/m³", guilty.words())
+                    format!("{} with a density of {density} kg/m³", limiting_term.words())
                 }
             }
         }
     }
 }
 
-fn accuse_springs(guilty: Term, springs: &Springs) -> String {
+fn too_large_spring_words(limiting_term: Term, springs: &Springs) -> String {
     let mass = format!("a particle mass of {} g", three_digits(springs.particle_mass * 1e3));
-    match guilty {
+    match limiting_term {
         Term::Stiffness(family) => {
             let stiffness = three_digits(springs.family(family).stiffness);
-            format!("{} of {stiffness} N with {mass}", guilty.words())
+            format!("{} of {stiffness} N with {mass}", limiting_term.words())
         }
         Term::Damping(family) => {
             let damping = three_digits(springs.family(family).damping);
-            format!("{} of {damping} N·s with {mass}", guilty.words())
+            format!("{} of {damping} N·s with {mass}", limiting_term.words())
         }
-        Term::Contact | Term::User | Term::Combined => format!("{} with {mass}", guilty.words()),
+        Term::Contact | Term::User | Term::Combined => format!("{} with {mass}", limiting_term.words()),
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::collect::collect;
 use super::costs::Costs;
 use super::document::Opened;
-use super::error::SPEEDS;
+use super::error::SPEED_RANGE;
 use super::progress::Progress;
 use super::stroke::Stroke;
 use super::{Command, Session, SessionError};
@@ -26,27 +26,27 @@ impl Session {
     pub fn handle(&mut self, command: Command) -> Result<(), SessionError> {
         match command {
             Command::Play => {
-                self.too_slow.clear();
+                self.too_slow_reason.clear();
                 // A simulation that exploded cannot go on.
                 if self.simulation.has_diverged() {
                     self.restart();
                 }
                 self.playing = true;
-                self.clock.forgive();
+                self.clock.reset();
             }
             Command::Pause => {
                 self.playing = false;
-                self.clock.forgive();
+                self.clock.reset();
             }
             Command::StepOnce => {
                 self.playing = false;
-                self.clock.forgive();
+                self.clock.reset();
                 self.step();
             }
             Command::Restart => self.restart(),
-            Command::SetSpeed(speed) if (SPEEDS[0]..=SPEEDS[1]).contains(&speed) => {
+            Command::SetSpeed(speed) if (SPEED_RANGE[0]..=SPEED_RANGE[1]).contains(&speed) => {
                 self.speed = speed;
-                self.clock.forgive();
+                self.clock.reset();
             }
             Command::SetSpeed(speed) => return Err(SessionError::Speed { speed }),
             Command::Replace { .. } | Command::New | Command::Open { .. } | Command::Recover { .. } => {
@@ -83,7 +83,7 @@ impl Session {
             Command::WatchStability(of) => self.watch_stability(of),
             Command::ShowModes(swing) => self.show_modes(swing)?,
             Command::MarkBox(marked) => self.marked_box = marked,
-            Command::TakeModes(found) => self.take_modes(*found),
+            Command::TakeModes(found) => self.receive_modes(*found),
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use crate::physics::BodyMotion;
 use crate::scene::edit::Edit;
 
 /// Changes that can be taken back; older ones are forgotten.
-const DEPTH: usize = 1000;
+const MAX_CHANGES: usize = 1000;
 
 /// A change that was made, and what takes it back.
 #[derive(Clone, Debug)]
@@ -77,7 +77,7 @@ impl History {
     pub(super) fn push(&mut self, change: Change) {
         self.open = false;
         self.done.push_back(change);
-        if self.done.len() > DEPTH {
+        if self.done.len() > MAX_CHANGES {
             self.done.pop_front();
         }
     }

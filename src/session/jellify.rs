@@ -10,7 +10,7 @@ use thiserror::Error;
 use super::document::Opened;
 use super::predict::Prediction;
 use super::progress::Progress;
-use super::{Command, Document, Library, Session, SessionError, needs};
+use super::{Command, Document, Session, SessionError, ShapeCache, memory};
 use crate::extract::model_picture::ModelPicture;
 use crate::geometry::voxel::{LostDetail, OccupancyChoice, VoxelReport, VoxelizeError};
 use crate::geometry::watch::Portion;
@@ -25,11 +25,11 @@ use crate::scene::view_settings::CameraSettings;
 use crate::scene::{MovesBy, Scene, Settings, presets};
 
 /// The progress of the work once the model is read and filled with cells.
-const FILLING: f64 = 0.7;
+const FILLED_PROGRESS: f64 = 0.7;
 /// The progress once the detail that is lost in the cells is found.
-const LOOKED: f64 = 0.85;
+const DETAIL_CHECKED_PROGRESS: f64 = 0.85;
 /// A body is let fall from this height, as a share of its longest extent.
-const DROP: f64 = 0.4;
+const DROP_HEIGHT_SHARE: f64 = 0.4;
 
 /// Why a model gives no body.
 #[derive(Debug, Error)]
@@ -137,21 +137,21 @@ pub struct Preview {
 /// Makes a model into a body and predicts how it runs.
 pub fn jellify(wanted: &Wanted, progress: &Progress) -> Result<Jellified, JellifyError> {
     let Wanted { settings, base_dir, held, .. } = wanted;
-    let there_is = wanted.body.as_ref().map(|body| body.of_model(wanted.model.clone()));
-    let model = match there_is.as_ref().map(|body| &body.shape) {
+    let existing = wanted.body.as_ref().map(|body| body.with_model(wanted.model.clone()));
+    let model = match existing.as_ref().map(|body| &body.shape) {
         Some(Shape::Model(model)) => model,
         _ => &wanted.model,
     };
     let places = ModelPlaces { base_dir, embedded: Some(held) };
     let cancelled = |_: VoxelizeError| JellifyError::Cancelled;
-    let go_on = || if progress.is_cancelled() { Err(JellifyError::Cancelled) } else { Ok(()) };
-    let filled = fill(&Shape::Model(model.clone()), places, &Portion::new(progress, [0.0, FILLING])).map_err(
+    let check_cancelled = || if progress.is_cancelled() { Err(JellifyError::Cancelled) } else { Ok(()) };
+    let filled = fill(&Shape::Model(model.clone()), places, &Portion::new(progress, [0.0, FILLED_PROGRESS])).map_err(
         |error| match error {
             ResolveError::Voxelize { source: VoxelizeError::Cancelled, .. } => JellifyError::Cancelled,
             error => JellifyError::Resolve(error),
         },
     )?;
-    go_on()?;
+    check_cancelled()?;
     // The axis that was guessed is kept: a scene file names it.
     let model = ModelShape { up: filled.up(), ..model.clone() };
     let grid = *filled.grid();
@@ -160,11 +160,11 @@ pub fn jellify(wanted: &Wanted, progress: &Progress) -> Result<Jellified, Jellif
     let new = |shape: ModelShape| Body {
         name: name_of(&shape.path),
         shape: Shape::Model(shape),
-        pose: Pose { position: [0.0, 0.5 * size_m[1] + DROP * longest, 0.0], ..Pose::default() },
+        pose: Pose { position: [0.0, 0.5 * size_m[1] + DROP_HEIGHT_SHARE * longest, 0.0], ..Pose::default() },
         material: presets::jelly(grid.cell_size),
         ..Body::default()
     };
-    let body = match there_is {
+    let body = match existing {
         Some(body) => Body { shape: Shape::Model(model), ..body },
         None => new(model),
     };
@@ -173,23 +173,23 @@ pub fn jellify(wanted: &Wanted, progress: &Progress) -> Result<Jellified, Jellif
     if let Some(problem) = param::validate(&scene).into_iter().next() {
         return Err(JellifyError::Value(problem));
     }
-    needs::check(&scene, &[filled.outline()])?;
+    memory::check_memory(&scene, &[filled.outline()])?;
     let jelly = filled.build();
     let mesh = jelly.lattice.mesh.as_deref().or(jelly.mesh.as_deref());
     let none = TriMesh::default();
     let lost = LostDetail::of(mesh.unwrap_or(&none), &jelly.lattice.grid, progress).map_err(cancelled)?;
     let picture = Arc::new(ModelPicture::new(&jelly.lattice, &lost));
-    progress.progress(LOOKED);
-    go_on()?;
+    progress.progress(DETAIL_CHECKED_PROGRESS);
+    check_cancelled()?;
     // Its cost is measured on the ground: most of the time it will touch something.
     scene.bodies[0].pose = Pose { position: [0.0, 0.5 * size_m[1], 0.0], ..Pose::default() };
     scene.bodies[0].moves_by = MovesBy::Cells;
-    let mut library = Library::new(base_dir.clone());
-    library.hold(held);
-    library.put(body.shape.clone(), jelly.clone());
+    let mut shape_cache = ShapeCache::new(base_dir.clone());
+    shape_cache.set_embedded(held);
+    shape_cache.insert(body.shape.clone(), jelly.clone());
     let document = Document::new(&Opened::without_file(scene.clone(), body.name.clone(), base_dir.clone()));
-    let session = Session::start(scene, document, library, &())?;
-    go_on()?;
+    let session = Session::start(scene, document, shape_cache, &())?;
+    check_cancelled()?;
     let preview = Preview {
         up_guessed: wanted.model.up == UpAxis::Auto,
         thin_share: lost.thin_share,
@@ -201,10 +201,10 @@ pub fn jellify(wanted: &Wanted, progress: &Progress) -> Result<Jellified, Jellif
 
 impl Jellified {
     /// Adds the body where a person looks, apart from what is there.
-    pub fn add_to(self, there: &Surroundings, look: Look) -> Command {
+    pub fn add_to(self, surroundings: &Surroundings, look: Look) -> Command {
         let Self { mut body, jelly, preview, .. } = self;
         let size = DVec3::from(preview.size_m);
-        body.pose.position = there.place(look, size, DROP * size.max_element()).to_array();
+        body.pose.position = surroundings.place(look, size, DROP_HEIGHT_SHARE * size.max_element()).to_array();
         Command::AddBody { body: Box::new(body), jelly: Box::new(jelly) }
     }
 

@@ -3,9 +3,10 @@
 //! do can be tested.
 
 pub mod background;
-pub mod beside;
 mod bodies;
+mod body_analysis;
 mod brush;
+pub mod cancellation;
 mod clock;
 pub mod collect;
 mod color_range;
@@ -22,22 +23,20 @@ mod gather;
 mod grab;
 mod handle;
 mod history;
-pub mod hold;
 pub mod jellify;
-mod library;
-mod look_ahead;
+mod live_predictions;
+mod memory;
 pub mod modal;
 mod model_paths;
 pub mod modes;
 mod modes_cache;
-mod needs;
 mod picture;
 mod pin_warnings;
 pub mod predict;
 pub mod progress;
 pub mod run;
-mod safe;
 mod sample;
+mod shape_cache;
 mod show;
 mod slowness;
 pub mod stability_map;
@@ -47,6 +46,7 @@ mod state_origin;
 mod state_reader;
 pub mod status;
 pub mod step_error;
+pub mod step_gate;
 pub mod step_words;
 mod stop;
 mod stoppable;
@@ -81,25 +81,25 @@ use crate::physics::{Simulation, State, StepReport};
 use crate::scene::Scene;
 use crate::scene::resolve::load_meshes;
 use bodies::Bodies;
-use clock::{Clock, Stretch};
+use clock::{Clock, ClockInterval};
 use costs::Costs;
 use document::{Document, Opened};
 use history::History;
-use hold::Hold;
-use library::Library;
 use modes::Swinging;
 use picture::Picture;
 use progress::Progress;
-use sample::Sample;
+use sample::StageSample;
+use shape_cache::ShapeCache;
 use stability_map::StabilityShown;
 use step_error::StepErrors;
+use step_gate::StepGate;
 use stoppable::Stoppable;
 use stroke::Stroke;
 use trials::Trials;
 use wanted_modes::{FoundModes, WantedModes};
 
 /// While time runs, trying cures takes one part in this many of the time budget.
-const CURES_SHARE: u32 = 4;
+const CURES_TIME_DIVISOR: u32 = 4;
 
 /// A running sandbox.
 #[derive(Debug)]
@@ -107,7 +107,7 @@ pub struct Session {
     /// Shared with whoever shows it; another allocation after every edit.
     scene: Arc<Scene>,
     document: Document,
-    library: Library,
+    shape_cache: ShapeCache,
     bodies: Bodies,
     simulation: Simulation<f32>,
     history: History,
@@ -129,20 +129,20 @@ pub struct Session {
     notice: String,
     picture: Picture,
     /// How far the material values of each body may go.
-    safe: Vec<safe::Found>,
+    body_analyses: Vec<body_analysis::BodyAnalysis>,
     /// What the steps cost, while someone looks.
     costs: Option<Costs>,
     /// Where the time of the steps goes, from a sample of them.
-    sample: Sample,
+    stage_sample: StageSample,
     /// The share of the processors that drawing takes.
-    drawing: f64,
+    drawing_share: f64,
     /// The stability of a body, while someone looks.
     stability: Option<Arc<StabilityShown>>,
     /// Predictions of the error of the steps.
     step_errors: StepErrors,
     /// Set by whoever wants a substep given up.
     stop: Arc<AtomicBool>,
-    hold: Arc<Hold>,
+    step_gate: Arc<StepGate>,
     /// The progress of the present command, if someone waits for it who may leave.
     progress: Option<Arc<Progress>>,
     /// The modes that are shown of a body, while someone looks.
@@ -154,7 +154,7 @@ pub struct Session {
     /// The modes that a body waits for.
     awaited_modes: Option<Arc<WantedModes>>,
     /// Why time stands still until a person lets it run; empty where it does not.
-    too_slow: String,
+    too_slow_reason: String,
     /// Whether it is still to be found out if time would run too slowly.
     may_be_too_slow: bool,
 }
@@ -168,33 +168,33 @@ impl Session {
     /// Opens a scene from a file or elsewhere at its start, time running; `watch` follows the filling of models.
     pub fn open(opened: Opened, watch: &dyn Watch) -> Result<Self, SessionError> {
         let document = Document::new(&opened);
-        let library = Library::new(opened.base_dir);
-        Self::start(opened.scene, document, library, watch)
+        let shape_cache = ShapeCache::new(opened.base_dir);
+        Self::start(opened.scene, document, shape_cache, watch)
     }
 
     /// Opens another scene in another sandbox, at its start; shapes and modes that are ready here are used again.
     pub fn with_scene(&self, scene: Scene) -> Result<Self, SessionError> {
-        let mut other = Self::start(scene, self.document.clone(), self.library.clone(), &())?;
+        let mut other = Self::start(scene, self.document.clone(), self.shape_cache.clone(), &())?;
         other.found_modes.clone_from(&self.found_modes);
-        other.follow_modes();
+        other.update_modes();
         Ok(other)
     }
 
     fn start(
         mut scene: Scene,
         document: Document,
-        mut library: Library,
+        mut shape_cache: ShapeCache,
         watch: &dyn Watch,
     ) -> Result<Self, SessionError> {
-        library.hold(&scene.models);
-        load_meshes(&mut scene, library.base_dir(), watch)?;
-        let mut bodies = Bodies::resolve(&scene, &mut library, watch)?;
-        bodies.dress(&scene);
+        shape_cache.set_embedded(&scene.models);
+        load_meshes(&mut scene, shape_cache.base_dir(), watch)?;
+        let mut bodies = Bodies::resolve(&scene, &mut shape_cache, watch)?;
+        bodies.update_skins(&scene);
         let simulation = Simulation::new(&scene, &bodies.lattices());
         let mut session = Self {
             scene: Arc::new(scene),
             document,
-            library,
+            shape_cache,
             bodies,
             simulation,
             history: History::default(),
@@ -212,22 +212,22 @@ impl Session {
             costs: None,
             stability: None,
             step_errors: StepErrors::default(),
-            sample: Sample::default(),
-            drawing: 0.0,
+            stage_sample: StageSample::default(),
+            drawing_share: 0.0,
             stop: Arc::default(),
-            hold: Arc::default(),
+            step_gate: Arc::default(),
             progress: None,
             swinging: None,
             marked_box: None,
             found_modes: Vec::new(),
             awaited_modes: None,
-            too_slow: String::new(),
+            too_slow_reason: String::new(),
             may_be_too_slow: false,
-            safe: Vec::new(),
+            body_analyses: Vec::new(),
         };
-        session.follow_modes();
+        session.update_modes();
         session.find_notice();
-        session.find_safe_values();
+        session.update_body_analyses();
         Ok(session)
     }
 
@@ -236,8 +236,9 @@ impl Session {
     }
 
     /// Finds how far values may go; the results of unchanged bodies are kept.
-    fn find_safe_values(&mut self) {
-        self.safe = safe::find(&self.scene, &self.simulation.model().bodies, &self.safe);
+    fn update_body_analyses(&mut self) {
+        self.body_analyses =
+            body_analysis::analyse_bodies(&self.scene, &self.simulation.model().bodies, &self.body_analyses);
         self.find_stability();
     }
 
@@ -246,11 +247,11 @@ impl Session {
         self.simulation = Simulation::with_modes(&self.scene, &self.bodies.lattices(), &modes);
         self.rest_since_secs = None;
         self.report = StepReport::default();
-        self.step_errors.forget();
-        self.clock.forgive();
+        self.step_errors.reset();
+        self.clock.reset();
         self.forget_trouble();
         self.find_inversion();
-        self.picture.touch();
+        self.picture.invalidate();
     }
 
     /// Forgets what was wrong, and the cures under trial.
@@ -261,34 +262,34 @@ impl Session {
     /// Lets `wall` time pass: takes the steps that are owed, and returns after about `budget` even if some are not taken; an
     /// expensive step is left half done and goes on at the next call. Tries cures where something is wrong.
     pub fn advance(&mut self, wall: Duration, budget: Duration) {
-        if self.swing_on(wall) || self.awaited_modes.is_some() {
+        if self.advance_swing(wall) || self.awaited_modes.is_some() {
             return;
         }
         let (begin, processor) = (Instant::now(), ThreadTime::now());
-        let share = if self.playing { budget / CURES_SHARE } else { budget };
-        self.look_for_cures(begin.checked_add(share));
+        let share = if self.playing { budget / CURES_TIME_DIVISOR } else { budget };
+        self.continue_trials(begin.checked_add(share));
         if self.playing && self.may_be_too_slow {
-            self.hold_if_too_slow();
+            self.pause_if_too_slow();
         }
         if !self.playing {
             return;
         }
         let time_before = self.simulation.state().time_secs;
         let dt_secs = self.simulation.plan().dt_secs;
-        self.clock.owe(wall.as_secs_f64(), self.speed);
+        self.clock.accumulate(wall.as_secs_f64(), self.speed);
         kept_awake(self.simulation.plan().threads, || {
-            while self.clock.owes(dt_secs) && begin.elapsed() < budget {
-                self.hold.wait();
+            while self.clock.is_step_due(dt_secs) && begin.elapsed() < budget {
+                self.step_gate.wait();
                 if !self.substep() || self.report.stopped {
                     break;
                 }
                 if self.simulation.state().is_between_steps() {
-                    self.clock.pay(dt_secs);
+                    self.clock.consume(dt_secs);
                 }
             }
         });
         self.simulation.place_modal();
-        self.clock.note(Stretch {
+        self.clock.record(ClockInterval {
             wall_secs: wall.as_secs_f64(),
             simulated_secs: self.simulation.state().time_secs - time_before,
             stepping_secs: begin.elapsed().as_secs_f64(),
@@ -300,7 +301,7 @@ impl Session {
 
     /// Tries all cures where something is wrong, however long it takes.
     pub fn find_cures(&mut self) {
-        self.look_for_cures(None);
+        self.continue_trials(None);
     }
 
     /// Takes one whole step; none while modes are to be found. Returns whether the simulation is still sound.
@@ -332,7 +333,7 @@ impl Session {
         let asleep = self.simulation.is_asleep();
         self.rest_since_secs = asleep.then(|| self.rest_since_secs());
         let timer = match &mut self.costs {
-            None => self.sample.next(),
+            None => self.stage_sample.next_timer(),
             Some(costs) => Some(costs.timer()),
         };
         self.report = self.simulation.substep(&mut Stoppable { timer, stop: &self.stop });
@@ -340,7 +341,7 @@ impl Session {
             costs.note(&self.report, &self.simulation);
         }
         if !asleep && !self.report.stopped {
-            self.picture.touch();
+            self.picture.invalidate();
         }
         if self.report.diverged {
             self.playing = false;
@@ -354,9 +355,9 @@ impl Session {
         self.stop = stop;
     }
 
-    /// Sets the hold on which [`Session::advance`] waits between substeps.
-    pub fn set_hold(&mut self, hold: Arc<Hold>) {
-        self.hold = hold;
+    /// Sets the gate at which [`Session::advance`] waits between substeps.
+    pub fn set_step_gate(&mut self, step_gate: Arc<StepGate>) {
+        self.step_gate = step_gate;
     }
 
     /// The bodies whose models have parts with names, and how many cells each part has.
@@ -367,7 +368,7 @@ impl Session {
     /// The memory that the scene needs without a window, bytes.
     pub fn memory_bytes(&self) -> u64 {
         let scheme = Some(self.simulation.plan().scheme);
-        needs::needed(&self.scene, &self.bodies.outlines(), scheme) + self.bodies.picture_bytes()
+        memory::needed_bytes(&self.scene, &self.bodies.outlines(), scheme) + self.bodies.picture_bytes()
     }
 
     /// Whether time runs.
@@ -410,8 +411,8 @@ impl Session {
     fn replace_state(&mut self, state: State<f32>) {
         self.simulation.set_state(state);
         self.rest_since_secs = None;
-        self.step_errors.forget();
-        self.picture.touch();
+        self.step_errors.reset();
+        self.picture.invalidate();
     }
 
     /// The simulated time from which on nothing has moved, s; the present time while something moves.

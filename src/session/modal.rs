@@ -7,14 +7,14 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::Session;
-use super::wanted_modes::{FoundModes, Outcome, WantedModes, folder, is_of, is_wanted};
+use super::wanted_modes::{FoundModes, SearchOutcome, WantedModes, folder, has_same_modes_and_count, is_wanted};
 use crate::geometry::Watch;
 use crate::physics::{BodyModel, ModalModel};
 use crate::scene::{Body, Scene, named};
 use crate::view::legend::three_digits;
 
 /// How many bodies outside the scene keep their known modes, so that undo finds them at once.
-const KEPT: usize = 8;
+const MAX_SPARE_MODES: usize = 8;
 
 /// The modes that a body moves by; the names are those of the JSON object of the command line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -60,63 +60,64 @@ impl Session {
     pub fn find_modes(&mut self, folder: Option<&Path>, watch: &dyn Watch) {
         while let Some(wanted) = self.awaited_modes.clone() {
             let found = wanted.find_in(&self.simulation, wanted.body.0, folder, watch);
-            self.take_modes(found.unwrap_or_else(|_cancelled| wanted.stopped()));
+            self.receive_modes(found.unwrap_or_else(|_cancelled| wanted.stopped()));
         }
     }
 
     /// Takes the outcome of a search for modes, and goes on.
-    pub(super) fn take_modes(&mut self, found: FoundModes) {
-        self.found_modes.retain(|known| !is_of(&known.described, &found.described));
+    pub(super) fn receive_modes(&mut self, found: FoundModes) {
+        self.found_modes.retain(|known| !has_same_modes_and_count(&known.source_body, &found.source_body));
         self.found_modes.push(found);
-        self.follow_modes();
+        self.update_modes();
         self.find_notice();
     }
 
     /// The modes that bodies of a scene move by, as far as they are known.
     pub(super) fn known_modes(&self, scene: &Scene) -> Vec<Option<Arc<ModalModel>>> {
         let of = |body: &Body| match &self.outcome(body)?.outcome {
-            Outcome::Found(modes) => Some(Arc::clone(modes)),
-            Outcome::Refused(_) | Outcome::Stopped => None,
+            SearchOutcome::Found(modes) => Some(Arc::clone(modes)),
+            SearchOutcome::Refused(_) | SearchOutcome::Stopped => None,
         };
         scene.bodies.iter().map(of).collect()
     }
 
     /// Makes bodies move by cells or by modes as the scene says, as far as the modes are known.
-    pub(super) fn follow_modes(&mut self) {
+    pub(super) fn update_modes(&mut self) {
         // A stopped search is forgotten once no body wants its modes, so that asking for them again starts it anew.
         let scene = Arc::clone(&self.scene);
-        let is_used =
-            |known: &FoundModes| scene.bodies.iter().any(|body| is_wanted(body) && is_of(body, &known.described));
-        self.found_modes.retain(|known| !matches!(known.outcome, Outcome::Stopped) || is_used(known));
+        let is_used = |known: &FoundModes| {
+            scene.bodies.iter().any(|body| is_wanted(body) && has_same_modes_and_count(body, &known.source_body))
+        };
+        self.found_modes.retain(|known| !matches!(known.outcome, SearchOutcome::Stopped) || is_used(known));
         let spare = self.found_modes.iter().filter(|known| !is_used(known)).count();
-        if spare > KEPT
+        if spare > MAX_SPARE_MODES
             && let Some(oldest) = self.found_modes.iter().position(|known| !is_used(known))
         {
             self.found_modes.remove(oldest);
         }
         let modes = self.known_modes(&scene);
         let now = self.simulation.model().bodies.iter().map(|body| body.modes());
-        let is_so = |(now, modes): (Option<&Arc<ModalModel>>, &Option<Arc<ModalModel>>)| match (now, modes) {
+        let is_current = |(now, modes): (Option<&Arc<ModalModel>>, &Option<Arc<ModalModel>>)| match (now, modes) {
             (Some(now), Some(modes)) => Arc::ptr_eq(now, modes),
             (now, modes) => now.is_none() && modes.is_none(),
         };
-        if !now.zip(&modes).all(is_so) {
+        if !now.zip(&modes).all(is_current) {
             self.simulation.set_modes(&scene, &self.bodies.lattices(), &modes);
-            self.step_errors.forget();
-            self.picture.touch();
+            self.step_errors.reset();
+            self.picture.invalidate();
         }
         let mut bodies = (0..scene.bodies.len()).filter(|body| self.outcome(&scene.bodies[*body]).is_none());
         let awaited = bodies.find_map(|body| WantedModes::of(&scene, body));
         if self.awaited_modes.as_deref() != awaited.as_ref() {
             self.awaited_modes = awaited.map(Arc::new);
-            self.clock.forgive();
+            self.clock.reset();
         }
     }
 
     /// What is known of the modes of a body that is to move by them.
     fn outcome(&self, body: &Body) -> Option<&FoundModes> {
         let wanted = is_wanted(body).then_some(body)?;
-        self.found_modes.iter().find(|known| is_of(wanted, &known.described))
+        self.found_modes.iter().find(|known| has_same_modes_and_count(wanted, &known.source_body))
     }
 
     /// Warnings about bodies that are to move by modes, a sentence each.
@@ -124,9 +125,9 @@ impl Session {
         let of = |(number, body): (usize, &Body)| {
             let name = named(&body.name, "body", number);
             match &self.outcome(body)?.outcome {
-                Outcome::Found(_) => None,
-                Outcome::Refused(why) => Some(format!("{name} moves by its cells: {why}")),
-                Outcome::Stopped => {
+                SearchOutcome::Found(_) => None,
+                SearchOutcome::Refused(why) => Some(format!("{name} moves by its cells: {why}")),
+                SearchOutcome::Stopped => {
                     Some(format!("{name} moves by its cells: the search for its modes was stopped; choose modes anew"))
                 }
             }

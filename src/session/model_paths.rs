@@ -37,8 +37,8 @@ pub(super) fn chooses_models(scene: &Scene) -> bool {
 }
 
 /// An absolute path as seen from an absolute folder without `.` and `..`.
-pub(super) fn seen_from(path: &Path, folder: &Path) -> PathBuf {
-    let target = plain(path);
+pub(super) fn relative_to(path: &Path, folder: &Path) -> PathBuf {
+    let target = normalized(path);
     let shared = target.components().zip(folder.components()).take_while(|(a, b)| a == b);
     let named = |&(part, _): &(Component<'_>, _)| matches!(part, Component::Normal(_));
     let (all, names) = shared.fold((0, 0), |(all, names), pair| (all + 1, names + usize::from(named(&pair))));
@@ -63,16 +63,16 @@ pub(super) fn absolute(folder: &Path) -> PathBuf {
 }
 
 /// A path without `.` and, as far as they follow a name, without `..`.
-pub(super) fn plain(path: &Path) -> PathBuf {
-    let mut plain = PathBuf::new();
+pub(super) fn normalized(path: &Path) -> PathBuf {
+    let mut normalized = PathBuf::new();
     for part in path.components() {
         match part {
             Component::CurDir => {}
-            Component::ParentDir if matches!(plain.components().next_back(), Some(Component::Normal(_))) => {
-                plain.pop();
+            Component::ParentDir if matches!(normalized.components().next_back(), Some(Component::Normal(_))) => {
+                normalized.pop();
             }
-            _ => plain.push(part),
+            _ => normalized.push(part),
         }
     }
-    plain
+    normalized
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::background::{BackgroundError, Paced};
+use super::background::{BackgroundError, PausingWatch};
 use super::document::Opened;
 use super::progress::Progress;
 use crate::geometry::Watch;
@@ -15,10 +15,10 @@ use crate::scene::edit::BodyId;
 use crate::scene::{Body, MovesBy, Scene};
 
 /// How many modes are shown of a body that moves by its cells.
-pub const COUNT: usize = 20;
+pub const SHOWN_MODES: usize = 20;
 
 /// The most swings per second in the picture: the eye does not follow more.
-pub(super) const MOST_HZ: f64 = 2.0;
+pub(super) const MAX_SHOWN_HZ: f64 = 2.0;
 
 /// The modes of a body of a scene.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ pub struct BodyModes {
     /// The lowest of its modes.
     pub modes: Modes,
     /// The body as it was when they were found.
-    pub(super) described: Body,
+    pub(super) source_body: Body,
 }
 
 /// What is shown of a body's modes.
@@ -64,25 +64,26 @@ pub fn body_modes(
     progress: &Progress,
     pause: &(dyn Fn() + Sync),
 ) -> Result<BodyModes, BackgroundError> {
-    let Some(described) = scene.bodies.get(body.0) else {
-        return Err(BackgroundError::Nothing("there is no such body"));
+    let Some(source_body) = scene.bodies.get(body.0) else {
+        return Err(BackgroundError::NotPossible("there is no such body"));
     };
-    let alone = Scene { bodies: vec![described.clone()], obstacles: Vec::new(), ..scene.clone() };
+    let alone = Scene { bodies: vec![source_body.clone()], obstacles: Vec::new(), ..scene.clone() };
     let opened = Opened::without_file(alone, String::new(), base_dir.to_owned());
     let lattices = opened.lattices(&CancelOnly(progress))?;
     if progress.is_cancelled() {
         return Err(BackgroundError::Cancelled);
     }
     let simulation = Simulation::<f32>::new(&opened.scene, &lattices);
-    let count = if described.moves_by == MovesBy::Modes { described.mode_count as usize } else { COUNT };
-    let modes = find(&simulation, 0, count, &Paced { progress, pause }).map_err(|error| match error {
-        ModalError::Cancelled => BackgroundError::Cancelled,
-        error => BackgroundError::Modal(error),
-    })?;
-    Ok(BodyModes { body, modes, described: described.clone() })
+    let count = if source_body.moves_by == MovesBy::Modes { source_body.mode_count as usize } else { SHOWN_MODES };
+    let modes =
+        compute_modes(&simulation, 0, count, &PausingWatch { progress, pause }).map_err(|error| match error {
+            ModalError::Cancelled => BackgroundError::Cancelled,
+            error => BackgroundError::Modal(error),
+        })?;
+    Ok(BodyModes { body, modes, source_body: source_body.clone() })
 }
 
-pub(super) fn find(
+pub(super) fn compute_modes(
     simulation: &Simulation<f32>,
     body: usize,
     count: usize,
@@ -95,15 +96,15 @@ pub(super) fn find(
 impl BodyModes {
     /// Whether they belong to the body as it is in the scene now; its place does not matter.
     pub fn is_of(&self, scene: &Scene) -> bool {
-        scene.bodies.get(self.body.0).is_some_and(|body| is_alike(body, &self.described))
+        scene.bodies.get(self.body.0).is_some_and(|body| has_same_modes(body, &self.source_body))
     }
 }
 
 /// Whether two bodies have the same modes; their places do not matter.
-pub(super) fn is_alike(body: &Body, other: &Body) -> bool {
+pub(super) fn has_same_modes(body: &Body, other: &Body) -> bool {
     let Body { shape, material, inlays, parts, .. } = body;
     (shape, material, inlays, parts) == (&other.shape, &other.material, &other.inlays, &other.parts)
-        && body.holds_as(other)
+        && body.has_same_pins(other)
 }
 
 impl Swing {
@@ -116,7 +117,7 @@ impl Swing {
     /// How often the picture of the played mode swings in a second, Hz, and how many times slower that is than the mode.
     pub fn shown_hz(&self) -> Option<(f64, f64)> {
         let hertz = self.of.modes.modes.get(self.played?)?.frequency_hz;
-        let shown = hertz.min(MOST_HZ);
+        let shown = hertz.min(MAX_SHOWN_HZ);
         (shown > 0.0).then(|| (shown, hertz / shown))
     }
 }

@@ -28,7 +28,7 @@ const MAX_BYTES: u64 = 1 << 30;
 pub(super) const ENDING: &str = "modes";
 
 /// Files that are kept; the one that was used longest ago goes first.
-const MOST_FILES: usize = 24;
+const MAX_FILES: usize = 24;
 
 /// Returns the key of modes: two checksums of everything that they depend on.
 pub(super) fn key(body: &BodyModel<f32>, count: usize) -> [u64; 2] {
@@ -77,7 +77,7 @@ pub(super) fn write(folder: &Path, key: [u64; 2], modes: &ModalModel) {
     let counts = [key[0], key[1], modes.particle_count() as u64, modes.count() as u64];
     bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
     bytes.extend(modes.rates().iter().flatten().flat_map(|rate| rate.to_le_bytes()));
-    bytes.extend(modes.shapes().iter().flatten().flat_map(|way| way.to_le_bytes()));
+    bytes.extend(modes.shapes().iter().flatten().flat_map(|component| component.to_le_bytes()));
     let checksum = fnv1a(&bytes);
     bytes.extend(checksum.to_le_bytes());
     let path = path(folder, key);
@@ -111,7 +111,7 @@ fn parse(bytes: &[u8], key: [u64; 2], body: &BodyModel<f32>) -> Option<ModalMode
     }
     let rates: Vec<f64> = rates.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
     let shapes: Vec<f32> = shapes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
-    let is_sound = rates.iter().all(|rate| rate.is_finite()) && shapes.iter().all(|way| way.is_finite());
+    let is_sound = rates.iter().all(|rate| rate.is_finite()) && shapes.iter().all(|component| component.is_finite());
     is_sound.then(|| ModalModel::new(&masses(body), rates.as_chunks().0.to_vec(), shapes.as_chunks().0.to_vec()))
 }
 
@@ -130,7 +130,7 @@ fn remove_oldest(folder: &Path) {
     let aged = ours.filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())));
     let mut files: Vec<(SystemTime, PathBuf)> = aged.collect();
     files.sort();
-    let more = files.len().saturating_sub(MOST_FILES);
+    let more = files.len().saturating_sub(MAX_FILES);
     for (_, path) in &files[..more] {
         if let Err(error) = fs::remove_file(path) {
             log::debug!("{}: {error}", path.display());

@@ -24,7 +24,7 @@ pub(super) struct Picture {
 
 impl Picture {
     /// Marks the picture as outdated: particles have moved, or may have.
-    pub(super) fn touch(&mut self) {
+    pub(super) fn invalidate(&mut self) {
         self.revision += 1;
     }
 }

@@ -14,12 +14,12 @@ use crate::scene::settings::Integrator;
 
 /// Simulated time that is measured, s: long enough for a body to land on something, as a body in free fall costs the
 /// implicit integrator a third of a squashed one.
-const MEASURE_SECS: f64 = 0.5;
+const MEASURED_SECS: f64 = 0.5;
 /// The most processor time spent on the measurement.
-const MEASURE: Duration = Duration::from_secs(1);
+const MAX_MEASURING_TIME: Duration = Duration::from_secs(1);
 
 /// Below this share of real time a person is warned before anything runs.
-pub(super) const SLOWEST: f64 = 1e-3;
+pub(super) const MIN_REAL_TIME_FACTOR: f64 = 1e-3;
 
 /// The prediction; the names are those of the JSON object of `gelatin check`. SI units.
 #[derive(Clone, Debug, Serialize)]
@@ -83,16 +83,16 @@ impl Prediction {
         limits.push(figure(Term::Combined, plan.limits_at_work().dt_limit_secs));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
         let substeps_per_frame = libm::ceil(FRAME_SECS / plan.substep_secs()) as u64;
-        let Speed { factor, slowed } = measured(session.simulation());
+        let MeasuredSpeed { factor, slowed } = measure_speed(session.simulation());
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
         let of_a_frame = libm::round(plan.most_work as f64 * FRAME_SECS / plan.substep_secs()) as u64;
         let most = (plan.scheme == Scheme::Implicit && plan.halvings > 0).then_some(of_a_frame);
-        let first = (slowed > 0).then(|| slowed_words(slowed, MEASURE_SECS));
+        let first = (slowed > 0).then(|| slowed_words(slowed, MEASURED_SECS));
         let limited_by = plan.limits_at_work().limited_by(plan.dt_secs);
         Self {
             ok: true,
             errors: [],
-            warnings: crawl(factor).into_iter().chain(first).chain(session.warnings()).collect(),
+            warnings: slow_run_warning(factor).into_iter().chain(first).chain(session.warnings()).collect(),
             scene: session.title().to_owned(),
             particles: simulation.model().particle_count(),
             links: simulation.model().link_counts().iter().sum(),
@@ -119,8 +119,8 @@ fn candidate(&SchemeCost { scheme, substep_secs, cost_per_sec }: &SchemeCost) ->
 }
 
 /// Returns the warning before a run that is too slow to wait for.
-pub fn crawl(real_time_factor: f64) -> Option<String> {
-    (real_time_factor < SLOWEST).then(|| {
+pub fn slow_run_warning(real_time_factor: f64) -> Option<String> {
+    (real_time_factor < MIN_REAL_TIME_FACTOR).then(|| {
         let wait = 1.0 / real_time_factor.max(f64::MIN_POSITIVE);
         let takes = match wait {
             secs if secs < 7200.0 => format!("about {:.0} minutes", secs / 60.0),
@@ -142,7 +142,7 @@ pub fn slowed_words(substeps: u64, seconds: f64) -> String {
 }
 
 /// The measurement on a copy.
-struct Speed {
+struct MeasuredSpeed {
     /// Simulated seconds in a second of processor time.
     factor: f64,
     /// Substeps that reached the limit of their work.
@@ -151,10 +151,10 @@ struct Speed {
 
 /// Simulated seconds in a second of processor time, measured on a copy.
 pub fn speed_alone(simulation: &Simulation<f32>) -> f64 {
-    measured(simulation).factor
+    measure_speed(simulation).factor
 }
 
-fn measured(simulation: &Simulation<f32>) -> Speed {
+fn measure_speed(simulation: &Simulation<f32>) -> MeasuredSpeed {
     let mut copy = simulation.clone();
     // The first substep is not measured: the caches are cold.
     copy.substep(&mut ());
@@ -164,12 +164,12 @@ fn measured(simulation: &Simulation<f32>) -> Speed {
     loop {
         slowed += copy.substep(&mut ()).counters.slowed;
         let measured_secs = copy.state().time_secs - start_secs;
-        if copy.has_diverged() || measured_secs >= MEASURE_SECS || begin.elapsed() >= MEASURE {
+        if copy.has_diverged() || measured_secs >= MEASURED_SECS || begin.elapsed() >= MAX_MEASURING_TIME {
             break;
         }
     }
     let factor = (copy.state().time_secs - start_secs) / begin.elapsed().as_secs_f64().max(1e-9);
-    Speed { factor, slowed }
+    MeasuredSpeed { factor, slowed }
 }
 
 /// Simulated seconds per second in a window. The simulation has a processor for `processor_share` of the time that it wants
@@ -199,8 +199,8 @@ mod tests {
 
     #[test]
     fn a_run_that_nobody_wants_to_wait_for_is_announced() {
-        assert_eq!(crawl(0.01), None, "slow, but one can watch it");
-        let words = |factor| crawl(factor).expect("slower than a thousandth");
+        assert_eq!(slow_run_warning(0.01), None, "slow, but one can watch it");
+        let words = |factor| slow_run_warning(factor).expect("slower than a thousandth");
         assert!(words(0.000_5).contains("about 33 minutes"), "{}", words(0.000_5));
         assert!(words(1e-5).contains("about 28 hours"), "{}", words(1e-5));
         assert!(words(1e-6).contains("about 12 days"), "{}", words(1e-6));

@@ -182,7 +182,7 @@ pub fn run(session: &mut Session, seconds: f64, watch: &dyn Watch) -> RunFigures
     });
     session.simulation.place_modal();
     session.report = report;
-    session.picture.touch();
+    session.picture.invalidate();
     let wall_secs = begin.elapsed().as_secs_f64();
     let last = session.simulation.diagnostics();
     peak.include(&last);

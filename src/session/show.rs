@@ -14,7 +14,7 @@ impl Session {
         let plan = self.simulation.plan();
         let model = self.simulation.model();
         let links: usize = model.link_counts().iter().sum();
-        let lately = self.clock.lately();
+        let recent = self.clock.recent();
         Status {
             title: self.document.title.clone(),
             file: self.document.file.clone(),
@@ -28,11 +28,11 @@ impl Session {
             time_secs: self.simulation.state().time_secs,
             rest_since_secs: self.rest_since_secs(),
             speed: self.speed,
-            real_time_factor: lately.real_time_factor().unwrap_or(self.speed),
+            real_time_factor: recent.real_time_factor().unwrap_or(self.speed),
             behind: self.is_behind(),
-            stepping_share: lately.stepping_secs / lately.wall_secs.max(1e-9),
+            stepping_share: recent.stepping_secs / recent.wall_secs.max(1e-9),
             processor_share: self.clock.processor_share(),
-            speed_alone: lately.speed_alone(),
+            speed_alone: recent.speed_alone(),
             limited_by: self.slowness(links),
             dt_secs: plan.substep_secs(),
             dt_safe_secs: plan.limits_at_work().dt_safe_secs.unwrap_or(f64::INFINITY),
@@ -47,7 +47,7 @@ impl Session {
             undo: self.history.undo_words().to_owned(),
             redo: self.history.redo_words().to_owned(),
             bodies: self.body_statuses(),
-            trouble: self.trouble_now(),
+            trouble: self.current_trouble(),
             cost: self.costs.as_ref().map(|costs| costs.shown(plan)),
             stability: self.stability.clone(),
             swing: self.swing().cloned(),
@@ -61,8 +61,8 @@ impl Session {
         match &self.awaited_modes {
             // The window shows the wait for modes itself, with its progress.
             Some(_) => String::new(),
-            None if self.too_slow.is_empty() => self.notice.clone(),
-            None => self.too_slow.clone(),
+            None if self.too_slow_reason.is_empty() => self.notice.clone(),
+            None => self.too_slow_reason.clone(),
         }
     }
 
@@ -76,7 +76,7 @@ impl Session {
         let own = &self.simulation.state().position[model.particles.clone()];
         let sum = own.iter().fold(DVec3::ZERO, |sum, at| sum + at.as_dvec3());
         let bounds = || Aabb::around(own.iter().map(|at| at.as_dvec3()));
-        let found = &self.safe[body];
+        let analysis = &self.body_analyses[body];
         BodyStatus {
             cells: model.lattice.cells.len(),
             particles: own.len(),
@@ -88,10 +88,10 @@ impl Session {
             gone: memory.gone,
             asleep: self.simulation.is_body_asleep(body),
             modes_hz: model.modes().map(|modes| Arc::clone(modes.frequencies_hz())),
-            stature: found.stature,
-            safe: Arc::clone(&found.safe),
+            stature: analysis.stature,
+            safe: Arc::clone(&analysis.safe),
             part_names: model.lattice.parts.as_ref().map(|parts| parts.names.shared_names()).unwrap_or_default(),
-            other_form: Arc::clone(&found.other),
+            other_form: Arc::clone(&analysis.other_form),
         }
     }
 

@@ -2,22 +2,22 @@
 //! for a processor, and where its own time goes.
 
 use super::Session;
-use super::clock::Stretch;
+use super::clock::ClockInterval;
 use crate::physics::{Scheme, Strain};
 
 /// The simulation counts as slow below this share of the speed asked for.
 pub const KEEPS_UP: f64 = 0.95;
 /// Steps do not wait for drawing that takes less than this share of the processors.
-const DRAWING_MATTERS: f64 = 0.15;
+const MIN_DRAWING_SHARE: f64 = 0.15;
 /// Fewer iterations of the implicit integrator than this in a substep are not mentioned.
-const FEW_ITERATIONS: u64 = 20;
+const MIN_MENTIONED_ITERATIONS: u64 = 20;
 /// What is known of a simulation that is slower than asked.
 #[derive(Clone, Debug)]
 struct Facts<'a> {
     speed: f64,
-    lately: Stretch,
+    recent: ClockInterval,
     /// The share of the processors that drawing takes.
-    drawing: f64,
+    drawing_share: f64,
     /// How many processors there are.
     processors: f64,
     halved: bool,
@@ -36,12 +36,12 @@ struct Facts<'a> {
 impl Session {
     /// Tells what share of the processors drawing takes, 0 to 1.
     pub fn note_drawing(&mut self, share: f64) {
-        self.drawing = share;
+        self.drawing_share = share;
     }
 
     /// Whether simulated time is owed for which there was no wall time.
     pub(super) fn is_behind(&self) -> bool {
-        self.playing && self.clock.owes(self.simulation.plan().dt_secs)
+        self.playing && self.clock.is_step_due(self.simulation.plan().dt_secs)
     }
 
     /// Why the speed asked for is not reached; empty when it is.
@@ -51,12 +51,12 @@ impl Session {
         let is_divided = plan.substeps > 1 && plan.scheme != Scheme::Implicit;
         let facts = Facts {
             speed: self.speed,
-            lately: self.clock.lately(),
-            drawing: self.drawing,
+            recent: self.clock.recent(),
+            drawing_share: self.drawing_share,
             processors: std::thread::available_parallelism().map_or(1.0, |count| count.get() as f64),
             halved: self.simulation.state().halvings > 0,
             slowed: self.report.counters.slowed > 0,
-            contact: self.sample.is_contact(),
+            contact: self.stage_sample.is_mostly_contact(),
             links,
             iterations: self.report.counters.iterations,
             strained: self.strained_substeps(),
@@ -75,19 +75,30 @@ impl Session {
 }
 
 fn words(facts: &Facts<'_>) -> String {
-    let Facts { speed, lately, drawing, processors, halved, slowed, contact, links, iterations, strained, divided } =
-        facts;
-    let factor = lately.real_time_factor().unwrap_or(*speed);
+    let Facts {
+        speed,
+        recent,
+        drawing_share,
+        processors,
+        halved,
+        slowed,
+        contact,
+        links,
+        iterations,
+        strained,
+        divided,
+    } = facts;
+    let factor = recent.real_time_factor().unwrap_or(*speed);
     if factor >= KEEPS_UP * speed || factor <= 0.0 {
         return String::new();
     }
     // The speed if a processor had always been at work on the steps.
-    let alone = lately.simulated_secs / lately.processor_secs.max(1e-9);
+    let alone = recent.simulated_secs / recent.processor_secs.max(1e-9);
     // While steps wait, no processor is idle: other programs have what neither drawing nor the steps take.
-    let others = 1.0 - drawing - lately.processor_secs / lately.wall_secs / processors;
+    let others = 1.0 - drawing_share - recent.processor_secs / recent.wall_secs / processors;
     let cause = if alone >= *speed {
-        if *drawing >= DRAWING_MATTERS.max(others) {
-            format!("drawing takes {:.0} % of the processors", drawing * 100.0)
+        if *drawing_share >= MIN_DRAWING_SHARE.max(others) {
+            format!("drawing takes {:.0} % of the processors", drawing_share * 100.0)
         } else {
             "other programs take the processors".to_owned()
         }
@@ -102,7 +113,7 @@ fn words(facts: &Facts<'_>) -> String {
         format!("strained links take {substeps} substeps a step")
     } else if let Some((limit, substeps)) = divided {
         format!("{limit} takes {substeps} substeps a step")
-    } else if *iterations >= FEW_ITERATIONS {
+    } else if *iterations >= MIN_MENTIONED_ITERATIONS {
         format!("the stiff links take about {} iterations a substep", two_digits(*iterations))
     } else {
         format!("limited by the number of links, {links}")
@@ -126,11 +137,11 @@ mod tests {
 
     /// A second in which `processor_secs` of work simulated `simulated_secs`.
     fn facts(simulated_secs: f64, processor_secs: f64) -> Facts<'static> {
-        let lately = Stretch { wall_secs: 1.0, simulated_secs, stepping_secs: 0.9, processor_secs };
+        let recent = ClockInterval { wall_secs: 1.0, simulated_secs, stepping_secs: 0.9, processor_secs };
         Facts {
             speed: 1.0,
-            lately,
-            drawing: 0.5,
+            recent,
+            drawing_share: 0.5,
             processors: 2.0,
             halved: false,
             slowed: false,
@@ -146,9 +157,12 @@ mod tests {
     fn steps_that_wait_for_a_processor_blame_who_has_it() {
         let waiting = facts(0.5, 0.3);
         assert_eq!(words(&waiting), "2.0 times slower than real time: drawing takes 50 % of the processors");
-        for drawing in [0.02, 0.2] {
-            let elsewhere = words(&Facts { drawing, ..waiting.clone() });
-            assert_eq!(elsewhere, "2.0 times slower than real time: other programs take the processors", "{drawing}");
+        for drawing_share in [0.02, 0.2] {
+            let elsewhere = words(&Facts { drawing_share, ..waiting.clone() });
+            assert_eq!(
+                elsewhere, "2.0 times slower than real time: other programs take the processors",
+                "{drawing_share}"
+            );
         }
     }
 
@@ -163,7 +177,7 @@ mod tests {
         assert!(strained.ends_with("strained links take 18 substeps a step"));
         let stiff = words(&Facts { iterations: 1_249, ..busy.clone() });
         assert!(stiff.ends_with("about 1200 iterations a substep"), "{stiff}");
-        let soft = words(&Facts { iterations: FEW_ITERATIONS - 1, ..busy.clone() });
+        let soft = words(&Facts { iterations: MIN_MENTIONED_ITERATIONS - 1, ..busy.clone() });
         assert!(soft.ends_with("limited by the number of links, 12876"), "{soft}");
         let contact = words(&Facts { contact: true, ..busy.clone() });
         assert!(contact.ends_with("contact takes more time than the links"), "{contact}");
@@ -181,7 +195,11 @@ mod tests {
     #[test]
     fn what_keeps_up_says_nothing() {
         assert_eq!(words(&facts(0.97, 0.9)), "", "close enough");
-        assert_eq!(words(&Facts { lately: Stretch::default(), ..facts(0.0, 0.0) }), "", "nothing was measured yet");
+        assert_eq!(
+            words(&Facts { recent: ClockInterval::default(), ..facts(0.0, 0.0) }),
+            "",
+            "nothing was measured yet"
+        );
         let slow_motion = Facts { speed: 0.1, ..facts(0.1, 0.9) };
         assert_eq!(words(&slow_motion), "", "as slow as asked");
     }

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::background::{BackgroundError, Paced};
+use super::background::{BackgroundError, PausingWatch};
 use super::document::Opened;
 use super::progress::Progress;
 use crate::geometry::watch::{CancelOnly, Portion};
@@ -21,23 +21,23 @@ use crate::scene::settings::Integrator;
 use crate::scene::{Body, Family, Material, Scene, Shape};
 
 /// Values along each axis that are measured.
-const VALUES: usize = 13;
+const VALUES_PER_AXIS: usize = 13;
 /// Powers of ten that each axis shows below the end of the border, and above it.
-const BELOW: f64 = 2.3;
-const ABOVE: f64 = 0.6;
+const DECADES_BELOW: f64 = 2.3;
+const DECADES_ABOVE: f64 = 0.6;
 /// The most places of the border that are sought between columns, and the factor by which the border must fall there.
-const MOST_BETWEEN: usize = 6;
-const STEEP: f64 = 2.0;
+const MAX_REFINED_PLACES: usize = 6;
+const STEEP_RATIO: f64 = 2.0;
 /// Points of a predicted border.
-const POINTS: usize = 96;
+const BORDER_POINTS: usize = 96;
 /// How often the gap between two of these points is halved where a border falls steeply.
-const HALVINGS: usize = 6;
+const MAX_HALVINGS: usize = 6;
 /// The most and the least steps for which a run is watched.
-const STEPS: [usize; 2] = [600, 200];
+const WATCHED_STEPS: [usize; 2] = [600, 200];
 /// The approximate limit of the link forces evaluated for a map: ten seconds of work.
-const MOST_LINK_FORCES: usize = 1_500_000_000;
+const MAX_LINK_FORCES: usize = 1_500_000_000;
 /// The approximate number of runs that go through all their steps.
-const WHOLE_RUNS: usize = VALUES * (VALUES / 2 + 3);
+const FULL_RUNS: usize = VALUES_PER_AXIS * (VALUES_PER_AXIS / 2 + 3);
 /// Cells an edge of the cube that stands in for a body whose map would be too much work.
 const STAND_IN_CELLS: u32 = 5;
 
@@ -142,7 +142,7 @@ impl PlaneShown {
         if ends.is_some() {
             let both = |damping| [plane.stable_stiffness(damping), plane.safe_stiffness(damping)];
             let least = libm::pow(10.0, f64::from(decades[1][0]));
-            for (damping, [stable, margin]) in closer_where_steep(values([from, to], POINTS), least, both) {
+            for (damping, [stable, margin]) in refine_where_steep(values([from, to], BORDER_POINTS), least, both) {
                 border.push(Place { damping, stiffness: stable });
                 safe.push(Place { damping, stiffness: margin });
             }
@@ -184,14 +184,14 @@ impl PlaneShown {
 
 /// Computes two borders at these values, and at more values where one of them falls steeply above the least value that is
 /// shown.
-fn closer_where_steep(across: Vec<f64>, least: f64, of: impl Fn(f64) -> [f64; 2]) -> Vec<(f64, [f64; 2])> {
+fn refine_where_steep(across: Vec<f64>, least: f64, of: impl Fn(f64) -> [f64; 2]) -> Vec<(f64, [f64; 2])> {
     let at = |x: f64| (x, of(x));
     let mut points: Vec<(f64, [f64; 2])> = across.into_iter().map(at).collect();
-    for _ in 0..HALVINGS {
+    for _ in 0..MAX_HALVINGS {
         let mut closer = Vec::with_capacity(2 * points.len());
         for pair in points.windows(2) {
             let [(from, before), (to, after)] = [pair[0], pair[1]];
-            let falls = |border: usize| before[border].max(least) > STEEP * after[border].max(least);
+            let falls = |border: usize| before[border].max(least) > STEEP_RATIO * after[border].max(least);
             closer.push(pair[0]);
             closer.extend((falls(0) || falls(1)).then(|| at(libm::sqrt(from * to))));
         }
@@ -206,8 +206,8 @@ fn decades(now: Place, ends: Option<Place>) -> [[i32; 2]; 2] {
     let of = |now: f64, end: Option<f64>| {
         let now = (now > 0.0).then(|| libm::log10(now));
         let end = end.map(libm::log10).or(now).unwrap_or(0.0);
-        let low = now.map_or(f64::INFINITY, |now| now - 0.2).min(end - BELOW);
-        let high = now.map_or(f64::NEG_INFINITY, |now| now + 0.2).max(end + ABOVE);
+        let low = now.map_or(f64::INFINITY, |now| now - 0.2).min(end - DECADES_BELOW);
+        let high = now.map_or(f64::NEG_INFINITY, |now| now + 0.2).max(end + DECADES_ABOVE);
         #[expect(clippy::cast_possible_truncation, reason = "exponents of ten")]
         [libm::floor(low) as i32, libm::ceil(high) as i32]
     };
@@ -278,22 +278,22 @@ pub fn stability_map(
     progress: &Progress,
     pause: &(dyn Fn() + Sync),
 ) -> Result<StabilityMap, BackgroundError> {
-    let watch = Paced { progress, pause };
+    let watch = PausingWatch { progress, pause };
     let opened = Opened::without_file(scene.clone(), String::new(), base_dir.to_owned());
     let lattices = opened.lattices(&CancelOnly(&watch))?;
     let simulation = Simulation::new(scene, &lattices);
     let models = &simulation.model().bodies;
     let shown = StabilityShown::of_body(of.body, scene, models, None).plane;
-    let mut shown = shown.ok_or(BackgroundError::Nothing("the scene has no body"))?;
+    let mut shown = shown.ok_or(BackgroundError::NotPossible("the scene has no body"))?;
     let index = shown.body.0;
     if of.family.is_some() && of.family != shown.family() {
         shown = PlaneShown::new(shown.body, plane(scene, index, &models[index], of.family), shown.lattice);
     }
     if shown.border.is_empty() {
-        return Err(BackgroundError::Nothing("every step of this scheme is stable: there is no border"));
+        return Err(BackgroundError::NotPossible("every step of this scheme is stable: there is no border"));
     }
     let mut subject = Subject::new(scene, index, Arc::clone(&lattices[index]));
-    if subject.steps < STEPS[1] {
+    if subject.steps < WATCHED_STEPS[1] {
         subject = subject.stand_in(scene)?;
     }
     let of_own = Simulation::new(&subject.scene, &subject.lattices);
@@ -303,11 +303,11 @@ pub fn stability_map(
         scene: &subject.scene,
         lattices: &subject.lattices,
         material: &material,
-        steps: subject.steps.clamp(STEPS[1], STEPS[0]),
+        steps: subject.steps.clamp(WATCHED_STEPS[1], WATCHED_STEPS[0]),
     };
-    let [damping, stiffness] = shown.decades.map(|ends| values(ends.map(f64::from), VALUES));
+    let [damping, stiffness] = shown.decades.map(|ends| values(ends.map(f64::from), VALUES_PER_AXIS));
     let column = |(index, damping): (usize, &f64)| {
-        let span = [index, index + 1].map(|column| column as f64 / VALUES as f64);
+        let span = [index, index + 1].map(|column| column as f64 / VALUES_PER_AXIS as f64);
         tried.survival(*damping, &stiffness, &Portion::new(&watch, span))
     };
     let columns: Option<Vec<_>> = damping.iter().enumerate().map(column).collect();
@@ -343,10 +343,10 @@ fn border(tried: &Tried<'_>, columns: &[Survival], [damping, stiffness]: [&[f64]
         let end = middle(tried.damping_border([damping[index - 1], damping[index]], low, &watch));
         border.push(Place { damping: end, stiffness: low });
     }
-    for _ in 0..MOST_BETWEEN {
+    for _ in 0..MAX_REFINED_PLACES {
         let fall = |index: &usize| border[index - 1].stiffness / border[*index].stiffness;
         let steepest = (1..border.len()).max_by(|a, b| fall(a).total_cmp(&fall(b)));
-        let Some(index) = steepest.filter(|index| fall(index) > STEEP) else { break };
+        let Some(index) = steepest.filter(|index| fall(index) > STEEP_RATIO) else { break };
         let [above, below] = [border[index - 1], border[index]];
         let damping = middle([above.damping, below.damping]);
         let ends = [0.9 * below.stiffness, 1.1 * above.stiffness];
@@ -373,8 +373,8 @@ impl Subject {
             Integrator::Rk4 | Integrator::Stabilised => 4,
             _ => 1,
         };
-        let work_of_a_step = lattice.counts().all_links().max(1) * evaluations * WHOLE_RUNS;
-        let steps = MOST_LINK_FORCES / work_of_a_step;
+        let work_of_a_step = lattice.counts().all_links().max(1) * evaluations * FULL_RUNS;
+        let steps = MAX_LINK_FORCES / work_of_a_step;
         Self { scene: own, lattices: vec![lattice], steps, stand_in: None }
     }
 

@@ -25,7 +25,7 @@ pub(super) const WITHOUT_MODES: &str = "gelatin-state 12\n";
 pub(super) const WITHOUT_TOUCHES: &str = "gelatin-state 11\n";
 
 /// Marks the number of a point of a mesh, as opposed to a particle.
-pub(super) const OF_MESH: u64 = 1 << 63;
+pub(super) const MESH_POINT_FLAG: u64 = 1 << 63;
 
 /// Why a state cannot be used.
 #[derive(Debug, Error, PartialEq, Eq)]

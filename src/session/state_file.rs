@@ -50,11 +50,11 @@ use glam::Vec3;
 use serde_json::json;
 
 use super::state_error::{
-    MAGIC, OF_MESH, ON_CELLS, StateError, StateFileError, WITHOUT_FREE_MODES, WITHOUT_LOADS, WITHOUT_MODES,
+    MAGIC, MESH_POINT_FLAG, ON_CELLS, StateError, StateFileError, WITHOUT_FREE_MODES, WITHOUT_LOADS, WITHOUT_MODES,
     WITHOUT_TOUCHES,
 };
 use super::state_origin::Origin;
-use super::state_reader::{Reader, Tells};
+use super::state_reader::{FormatFeatures, Reader};
 use super::{Session, SessionError};
 use crate::disk::{self, fnv1a};
 use crate::physics::Approach;
@@ -91,7 +91,8 @@ fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
     let versions = [MAGIC, ON_CELLS, WITHOUT_LOADS, WITHOUT_FREE_MODES, WITHOUT_MODES, WITHOUT_TOUCHES];
     let known = versions.map(|magic| bytes.strip_prefix(magic.as_bytes()));
     let is_from = |version: usize| known[..=version].iter().any(Option::is_some);
-    let tells = Tells { meshes_meet: is_from(0), free_modes: is_from(2), modes: is_from(3), touches: is_from(4) };
+    let features =
+        FormatFeatures { meshes_meet: is_from(0), free_modes: is_from(2), modes: is_from(3), touches: is_from(4) };
     let Some(contents) = known.into_iter().flatten().next() else {
         let line = bytes.split(|&b| b == b'\n').next().unwrap_or_default();
         return Err(match line.strip_prefix(b"gelatin-state ") {
@@ -108,7 +109,7 @@ fn opened(bytes: &[u8]) -> Result<(Origin, Reader<'_>), StateFileError> {
         return Err(StateFileError::Damaged);
     }
     let origin = serde_json::from_slice(line).map_err(|_not_ours| StateFileError::Damaged)?;
-    Ok((origin, Reader::new(&numbers[..numbers.len() - 8], tells)))
+    Ok((origin, Reader::new(&numbers[..numbers.len() - 8], features)))
 }
 
 impl Session {
@@ -127,7 +128,7 @@ impl Session {
         taken.map_err(|source| SessionError::State { file: path.to_owned(), source })?;
         self.playing = false;
         self.trouble = None;
-        self.clock.forgive();
+        self.clock.reset();
         self.find_inversion();
         Ok(())
     }
@@ -193,7 +194,7 @@ impl Session {
         for Press { bodies: [own, other], point, depth_m } in &state.presses {
             let point = match *point {
                 BodyPoint::Particle(particle) => particle as u64,
-                BodyPoint::OfMesh(number) => number as u64 | OF_MESH,
+                BodyPoint::OfMesh(number) => number as u64 | MESH_POINT_FLAG,
             };
             bytes.extend([point, *own as u64, *other as u64].iter().flat_map(|word| word.to_le_bytes()));
             bytes.extend(depth_m.to_le_bytes());

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::state_error::{OF_MESH, StateFileError};
+use super::state_error::{MESH_POINT_FLAG, StateFileError};
 use crate::modal::COUNTS;
 use crate::physics::Approach;
 use crate::physics::BodyMemory;
@@ -20,22 +20,22 @@ use crate::physics::{RecoveryAccount, Strain};
 use crate::physics::{Simulation, State};
 
 /// More steps than this are not counted one by one.
-const MOST_STEPS: u64 = 1 << 53;
+const MAX_STEPS: u64 = 1 << 53;
 
 /// The limit of a mode's amplitude and rate, m √kg and m √kg / s, and of the distance and speed of a free body, m and m/s:
 /// beyond it a body has exploded.
-const MOST_OF_A_MODE: f64 = 1e12;
+const MAX_MODAL_VALUE: f64 = 1e12;
 
 /// Takes numbers off the front of bytes.
 pub(super) struct Reader<'a> {
     rest: &'a [u8],
-    tells: Tells,
+    features: FormatFeatures,
 }
 
 /// Which things a version of the file holds.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is what a version was the first to tell of")]
-pub(super) struct Tells {
+pub(super) struct FormatFeatures {
     /// Points of meshes that meet other bodies.
     pub(super) meshes_meet: bool,
     /// Points of meshes that touch obstacles.
@@ -62,8 +62,8 @@ pub(super) struct Counts {
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(bytes: &'a [u8], tells: Tells) -> Self {
-        Self { rest: bytes, tells }
+    pub(super) fn new(bytes: &'a [u8], features: FormatFeatures) -> Self {
+        Self { rest: bytes, features }
     }
 
     /// Reads the numbers that a state begins with.
@@ -76,25 +76,25 @@ impl<'a> Reader<'a> {
         let held_steps = self.u64("the counts")?;
         let [part, halvings] = [self.u64("the counts")?, self.u64("the counts")?];
         let work = self.u64("the counts")?;
-        need(steps < MOST_STEPS, "the count of steps", steps, "a count below 2^53")?;
-        need((0.0..f64::INFINITY).contains(&time_secs), "the time", time_secs, "a time of 0 s or more")?;
+        require(steps < MAX_STEPS, "the count of steps", steps, "a count below 2^53")?;
+        require((0.0..f64::INFINITY).contains(&time_secs), "the time", time_secs, "a time of 0 s or more")?;
         let lag_fits = (0.0..=0.1).contains(&velocity_lag_secs);
-        need(lag_fits, "the velocities' lag", velocity_lag_secs, "a time from 0 to 0.1 s")?;
-        let halvings = small(halvings, "the count of halvings", u64::from(MOST_HALVINGS))?;
+        require(lag_fits, "the velocities' lag", velocity_lag_secs, "a time from 0 to 0.1 s")?;
+        let halvings = require_at_most(halvings, "the count of halvings", u64::from(MOST_HALVINGS))?;
         let whole = 1_u64 << MOST_HALVINGS;
         let length = whole >> halvings;
         let needed = format!("a multiple of {length} below {whole} after {halvings} halvings");
-        need(part < whole && part.is_multiple_of(length), "the part of the substep that is done", part, &needed)?;
+        require(part < whole && part.is_multiple_of(length), "the part of the substep that is done", part, &needed)?;
         let most = u64::from(u32::MAX) - 1;
         Ok(Counts {
             particles,
             planes,
             steps,
-            substep: small(substep, "the count of substeps", most)?,
+            substep: require_at_most(substep, "the count of substeps", most)?,
             time_secs,
             velocity_lag_secs,
             accelerations,
-            held_steps: small(held_steps, "the count of steps held", most)?,
+            held_steps: require_at_most(held_steps, "the count of steps held", most)?,
             part,
             halvings,
             work,
@@ -106,10 +106,10 @@ impl<'a> Reader<'a> {
         let counts = self.counts()?;
         let (model, plan, present) = (simulation.model(), simulation.plan(), simulation.state());
         let (particles, planes) = (present.position.len(), present.side.len());
-        same(counts.particles, particles, "the count of particles")?;
-        same(counts.planes, planes, "the count of planes")?;
+        require_same(counts.particles, particles, "the count of particles")?;
+        require_same(counts.planes, planes, "the count of planes")?;
         let accelerated = if counts.accelerations == 0 { 0 } else { particles };
-        same(counts.accelerations, accelerated, "the count of accelerations")?;
+        require_same(counts.accelerations, accelerated, "the count of accelerations")?;
         let position = self.vectors(particles, "the position", "m")?;
         let position_residual = self.vectors(particles, "the residual of the position", "m")?;
         let velocity = self.vectors(particles, "the velocity", "m/s")?;
@@ -119,8 +119,8 @@ impl<'a> Reader<'a> {
         let approaches = self.approaches(model)?;
         let sweeps = self.sweeps(model)?;
         let presses = self.presses(model)?;
-        let touches = if self.tells.touches { self.touches(model)? } else { Vec::new() };
-        let modal = if self.tells.modes { self.modal(model)? } else { Vec::new() };
+        let touches = if self.features.touches { self.touches(model)? } else { Vec::new() };
+        let modal = if self.features.modes { self.modal(model)? } else { Vec::new() };
         if !self.rest.is_empty() {
             return Err(StateFileError::Length { field: "all the numbers".to_owned() });
         }
@@ -169,38 +169,43 @@ impl<'a> Reader<'a> {
         let of_body = |what: &str| format!("{what} of body {number}");
         let field = of_body("the list of cells that may invert");
         let count = self.u64(&field)?;
-        need(count <= cells as u64, &field, format!("{count} long"), &format!("at most {cells}"))?;
+        require(count <= cells as u64, &field, format!("{count} long"), &format!("at most {cells}"))?;
         let near_inversion: Vec<u32> = (0..count).map(|_| self.u32(&field)).collect::<Result<_, _>>()?;
         let ascends = near_inversion.is_sorted_by(|a, b| a < b);
-        need(ascends, &field, "out of order", "every cell once, in their order")?;
+        require(ascends, &field, "out of order", "every cell once, in their order")?;
         let last = near_inversion.last().copied().unwrap_or_default();
-        need(last == 0 || (last as usize) < cells, &field, format!("one with cell {last}"), "a cell of the body")?;
+        require(last == 0 || (last as usize) < cells, &field, format!("one with cell {last}"), "a cell of the body")?;
         let field = of_body("the memory");
         let [flags, knotted_nanos, calm_substeps] = [self.u32(&field)?, self.u32(&field)?, self.u32(&field)?];
-        need(flags < 256, &field, flags, "a sum of 1, 2, 4, 8, 16, 32, 64 and 128")?;
+        require(flags < 256, &field, flags, "a sum of 1, 2, 4, 8, 16, 32, 64 and 128")?;
         let [asleep, large, stuck, gone, near_itself, is_modal, taut, is_known] =
             [1, 2, 4, 8, 16, 32, 64, 128].map(|flag| flags & flag != 0);
-        need(!(large && taut), &field, "one of two strains", "one of them")?;
+        require(!(large && taut), &field, "one of two strains", "one of them")?;
         let strain = match (large, taut) {
             (true, _) => Strain::Large,
             (_, true) => Strain::Taut,
             _ => Strain::Small,
         };
-        need(strain > Strain::Small || calm_substeps == 0, &field, "one that is calm after no strain", "0 substeps")?;
-        need(asleep || !gone, &field, "one of a body that has fallen out and is awake", "one that sleeps")?;
-        need(asleep || !is_modal, &field, "one of a modal body that is awake", "one that sleeps")?;
+        require(
+            strain > Strain::Small || calm_substeps == 0,
+            &field,
+            "one that is calm after no strain",
+            "0 substeps",
+        )?;
+        require(asleep || !gone, &field, "one of a body that has fallen out and is awake", "one that sleeps")?;
+        require(asleep || !is_modal, &field, "one of a modal body that is awake", "one that sleeps")?;
         let load = if is_known { self.link_load(&of_body("what links add"))? } else { LinkLoad::default() };
         let field = of_body("the account of recovery");
         let [taken_j, pull_share] = [self.f64(&field)?, self.f64(&field)?];
-        need(taken_j.is_finite(), &field, format!("{taken_j} J"), "a finite number")?;
-        need((0.0..=1.0).contains(&pull_share), &field, format!("a share of {pull_share}"), "0 to 1")?;
+        require(taken_j.is_finite(), &field, format!("{taken_j} J"), "a finite number")?;
+        require((0.0..=1.0).contains(&pull_share), &field, format!("a share of {pull_share}"), "0 to 1")?;
         let account = RecoveryAccount { taken_j, pull_share };
         let field = of_body("the way to the next look at folds");
         let apart = self.f64(&field)?;
-        need(apart.is_finite(), &field, format!("{apart} cells"), "a finite number")?;
+        require(apart.is_finite(), &field, format!("{apart} cells"), "a finite number")?;
         let field = of_body("the count of still substeps");
         let still_substeps = self.u64(&field)?;
-        need(still_substeps < MOST_STEPS, &field, still_substeps, "a count below 2^53")?;
+        require(still_substeps < MAX_STEPS, &field, still_substeps, "a count below 2^53")?;
         if still_substeps > 0 {
             let was = self.vectors(anchor.len(), &of_body("the place at rest"), "m")?;
             anchor.copy_from_slice(&was);
@@ -226,7 +231,7 @@ impl<'a> Reader<'a> {
     fn link_load(&mut self, field: &str) -> Result<LinkLoad, StateFileError> {
         let [stiffness, damping] = [self.f64(field)?, self.f64(field)?];
         for rate in [stiffness, damping] {
-            need(rate.is_finite() && rate >= 0.0, field, rate, "a finite number that is not negative")?;
+            require(rate.is_finite() && rate >= 0.0, field, rate, "a finite number that is not negative")?;
         }
         Ok(LinkLoad { stiffness, damping })
     }
@@ -238,19 +243,19 @@ impl<'a> Reader<'a> {
         let mut last = None;
         for _ in 0..self.u64(field)? {
             let [body, count] = [self.u64(field)?, self.u64(field)?];
-            let body = place((body, model.bodies.len()))?;
-            need(last < Some(body), field, "out of order", "every body once, in their order")?;
+            let body = require_index((body, model.bodies.len()))?;
+            require(last < Some(body), field, "out of order", "every body once, in their order")?;
             let most = COUNTS[1] as u64;
-            need((1..=most).contains(&count), field, format!("{count} modes"), &format!("1 to {most}"))?;
+            require((1..=most).contains(&count), field, format!("{count} modes"), &format!("1 to {most}"))?;
             let mut numbers = Vec::new();
             for _ in 0..3 * count {
                 let number = self.f64(field)?;
-                need(number.abs() <= MOST_OF_A_MODE, "a mode", number, "a number from -1e12 to 1e12")?;
+                require(number.abs() <= MAX_MODAL_VALUE, "a mode", number, "a number from -1e12 to 1e12")?;
                 numbers.push(number);
             }
             let mut rate = numbers.split_off(numbers.len() / 3);
             let mean_rate = rate.split_off(rate.len() / 2);
-            let rigid = if self.tells.free_modes { self.rigid()? } else { None };
+            let rigid = if self.features.free_modes { self.rigid()? } else { None };
             modal[body] = ModalState { amplitude: numbers, rate, mean_rate, rigid };
             last = Some(body);
         }
@@ -261,20 +266,25 @@ impl<'a> Reader<'a> {
     fn rigid(&mut self) -> Result<Option<RigidState>, StateFileError> {
         let field = "a modal body as a whole";
         let is_free = self.u64(field)?;
-        need(is_free < 2, "whether a modal body is free", is_free, "0 or 1")?;
+        require(is_free < 2, "whether a modal body is free", is_free, "0 or 1")?;
         if is_free == 0 {
             return Ok(None);
         }
         let mut numbers = [0.0; RigidState::NUMBERS];
         for number in &mut numbers {
             *number = self.f64(field)?;
-            need(number.is_finite(), field, *number, "a finite number")?;
+            require(number.is_finite(), field, *number, "a finite number")?;
         }
         let rigid = RigidState::from_numbers(numbers);
         let RigidState { center, turn, velocity, .. } = rigid;
-        need(turn.is_normalized(), "the turn of a modal body", turn, "a quaternion of length 1")?;
-        let is_near = [center, velocity].iter().all(|of| of.abs().max_element() <= MOST_OF_A_MODE);
-        need(is_near, "the centre of a modal body", center, "a place and a velocity with numbers from -1e12 to 1e12")?;
+        require(turn.is_normalized(), "the turn of a modal body", turn, "a quaternion of length 1")?;
+        let is_near = [center, velocity].iter().all(|of| of.abs().max_element() <= MAX_MODAL_VALUE);
+        require(
+            is_near,
+            "the centre of a modal body",
+            center,
+            "a place and a velocity with numbers from -1e12 to 1e12",
+        )?;
         Ok(Some(rigid))
     }
 
@@ -287,15 +297,15 @@ impl<'a> Reader<'a> {
             let [body, obstacle, waits] = [self.u64(field)?, self.u64(field)?, self.u64(field)?];
             let way = DVec3::new(self.f64(field)?, self.f64(field)?, self.f64(field)?);
             let [left_m, speed] = [self.f64(field)?, self.f64(field)?];
-            need(way.is_normalized(), "the way of an obstacle", way, "a direction of length 1")?;
-            need(left_m > 0.0 && left_m.is_finite(), "the way left of an obstacle", left_m, "a length above 0 m")?;
+            require(way.is_normalized(), "the way of an obstacle", way, "a direction of length 1")?;
+            require(left_m > 0.0 && left_m.is_finite(), "the way left of an obstacle", left_m, "a length above 0 m")?;
             let goes = (0.0..f64::INFINITY).contains(&speed);
-            need(goes, "the speed of an obstacle", speed, "a speed of 0 m/s or more")?;
-            need(waits < 2, "the waiting of an obstacle", waits, "0 or 1")?;
-            let [body, obstacle] = [(body, model.bodies.len()), (obstacle, model.obstacles.len())].map(place);
+            require(goes, "the speed of an obstacle", speed, "a speed of 0 m/s or more")?;
+            require(waits < 2, "the waiting of an obstacle", waits, "0 or 1")?;
+            let [body, obstacle] = [(body, model.bodies.len()), (obstacle, model.obstacles.len())].map(require_index);
             let (body, obstacle) = (body?, obstacle?);
             let ascends = approaches.last().is_none_or(|last| (last.body, last.obstacle) < (body, obstacle));
-            need(ascends, field, "out of order", "every pair of body and obstacle once, in their order")?;
+            require(ascends, field, "out of order", "every pair of body and obstacle once, in their order")?;
             approaches.push(Approach { body, obstacle, way, left_m, speed, waits: waits == 1 });
         }
         Ok(approaches)
@@ -306,21 +316,21 @@ impl<'a> Reader<'a> {
         let field = "the obstacles that sweep";
         let mut sweeps: Vec<Sweep> = Vec::new();
         for _ in 0..self.u64(field)? {
-            let obstacle = place((self.u64(field)?, model.obstacles.len()))?;
+            let obstacle = require_index((self.u64(field)?, model.obstacles.len()))?;
             let center = DVec3::new(self.f64(field)?, self.f64(field)?, self.f64(field)?);
             let [x, y, z, w] = [self.f64(field)?, self.f64(field)?, self.f64(field)?, self.f64(field)?];
             let (rotation, left_secs) = (DQuat::from_xyzw(x, y, z, w), self.f64(field)?);
-            need(center.is_finite(), "the middle of an obstacle that sweeps", center, "a place in m")?;
-            need(
+            require(center.is_finite(), "the middle of an obstacle that sweeps", center, "a place in m")?;
+            require(
                 rotation.is_normalized(),
                 "the turn of an obstacle that sweeps",
                 rotation,
                 "a quaternion of length 1",
             )?;
             let in_time = left_secs > 0.0 && left_secs <= Sweep::SECS;
-            need(in_time, "the time left of a sweep", left_secs, "a time above 0 s, at most 1/60 s")?;
+            require(in_time, "the time left of a sweep", left_secs, "a time above 0 s, at most 1/60 s")?;
             let ascends = sweeps.last().is_none_or(|last| last.obstacle < obstacle);
-            need(ascends, field, "out of order", "every obstacle once, in their order")?;
+            require(ascends, field, "out of order", "every obstacle once, in their order")?;
             sweeps.push(Sweep { obstacle, center, rotation, left_secs });
         }
         Ok(sweeps)
@@ -332,13 +342,15 @@ impl<'a> Reader<'a> {
         let mut presses: Vec<Press> = Vec::new();
         for _ in 0..self.u64(field)? {
             let point = self.u64(field)?;
-            let point = if point & OF_MESH == 0 {
-                BodyPoint::Particle(place((point, model.particle_count()))?)
+            let point = if point & MESH_POINT_FLAG == 0 {
+                BodyPoint::Particle(require_index((point, model.particle_count()))?)
             } else {
-                BodyPoint::OfMesh(place((point & !OF_MESH, model.sample_count()))?)
+                BodyPoint::OfMesh(require_index((point & !MESH_POINT_FLAG, model.sample_count()))?)
             };
-            let bodies =
-                [place((self.u64(field)?, model.bodies.len()))?, place((self.u64(field)?, model.bodies.len()))?];
+            let bodies = [
+                require_index((self.u64(field)?, model.bodies.len()))?,
+                require_index((self.u64(field)?, model.bodies.len()))?,
+            ];
             let depth_m = self.f64(field)?;
             let press = Press { bodies, point, depth_m };
             // A body that meets itself is both bodies.
@@ -351,15 +363,15 @@ impl<'a> Reader<'a> {
                     "a point of the first one's mesh",
                 ),
             };
-            if !self.tells.meshes_meet && !press.fits(model) {
+            if !self.features.meshes_meet && !press.fits(model) {
                 continue;
             }
-            need(press.fits(model), field, said, right)?;
+            require(press.fits(model), field, said, right)?;
             let is_depth = (0.0..f64::INFINITY).contains(&depth_m);
-            need(is_depth, "how far a spring between bodies is pressed", depth_m, "a length of 0 m or more")?;
+            require(is_depth, "how far a spring between bodies is pressed", depth_m, "a length of 0 m or more")?;
             let order = |press: &Press| (press.bodies[0], press.point, press.bodies[1]);
             let ascends = presses.last().is_none_or(|last| order(last) < order(&press));
-            need(ascends, field, "out of order", "every point in a body once, in their order")?;
+            require(ascends, field, "out of order", "every point in a body once, in their order")?;
             presses.push(press);
         }
         Ok(presses)
@@ -370,19 +382,19 @@ impl<'a> Reader<'a> {
         let field = "the points of meshes that touch obstacles";
         let mut touches: Vec<SampleTouch> = Vec::new();
         for _ in 0..self.u64(field)? {
-            let body = place((self.u64(field)?, model.bodies.len()))?;
+            let body = require_index((self.u64(field)?, model.bodies.len()))?;
             let sample = self.u64(field)?;
-            let obstacle = place((self.u64(field)?, model.obstacles.len()))?;
+            let obstacle = require_index((self.u64(field)?, model.obstacles.len()))?;
             let side = self.u64(field)?;
             let depth_m = self.f64(field)?;
             let side = [-1, 0, 1].get(usize::try_from(side).unwrap_or(usize::MAX)).copied();
-            let side = side.ok_or_else(|| wrong("the side of a point of a mesh", "another", "-1, 0 or 1"))?;
+            let side = side.ok_or_else(|| value_error("the side of a point of a mesh", "another", "-1, 0 or 1"))?;
             let is_depth = (0.0..f64::INFINITY).contains(&depth_m);
-            need(is_depth, "how far the spring of a point is pressed", depth_m, "a length of 0 m or more")?;
+            require(is_depth, "how far the spring of a point is pressed", depth_m, "a length of 0 m or more")?;
             let sample = usize::try_from(sample).unwrap_or(usize::MAX);
             let key = (body, sample, obstacle);
             let ascends = touches.last().is_none_or(|last| (last.body, last.sample, last.obstacle) < key);
-            need(ascends, field, "out of order", "every point at an obstacle once, in their order")?;
+            require(ascends, field, "out of order", "every point at an obstacle once, in their order")?;
             touches.push(SampleTouch { body, sample, obstacle, side, depth_m });
         }
         Ok(touches)
@@ -419,7 +431,7 @@ impl<'a> Reader<'a> {
             let vector = Vec3::new(next()?, next()?, next()?);
             if !vector.is_finite() {
                 let field = format!("{field} of particle {number}");
-                return Err(wrong(&field, format!("{vector} {unit}"), "three finite numbers"));
+                return Err(value_error(&field, format!("{vector} {unit}"), "three finite numbers"));
             }
             vectors.push(vector);
         }
@@ -433,32 +445,32 @@ impl<'a> Reader<'a> {
         self.rest = rest;
         let sides: Vec<i8> = sides.iter().map(|side| side.cast_signed()).collect();
         match sides.iter().find(|side| !(-1..=1).contains(*side)) {
-            Some(side) => Err(wrong(field, side, "-1, 0 or 1")),
+            Some(side) => Err(value_error(field, side, "-1, 0 or 1")),
             None => Ok(sides),
         }
     }
 }
 
 /// Refuses a number that does not fit.
-fn need(fits: bool, field: &str, value: impl Display, needed: &str) -> Result<(), StateFileError> {
-    if fits { Ok(()) } else { Err(wrong(field, value, needed)) }
+fn require(fits: bool, field: &str, value: impl Display, needed: &str) -> Result<(), StateFileError> {
+    if fits { Ok(()) } else { Err(value_error(field, value, needed)) }
 }
 
-fn wrong(field: &str, value: impl Display, needed: &str) -> StateFileError {
+fn value_error(field: &str, value: impl Display, needed: &str) -> StateFileError {
     StateFileError::Value { field: field.to_owned(), value: value.to_string(), needed: needed.to_owned() }
 }
 
-fn same(saved: u64, here: usize, field: &str) -> Result<(), StateFileError> {
-    need(saved == here as u64, field, saved, &here.to_string())
+fn require_same(saved: u64, here: usize, field: &str) -> Result<(), StateFileError> {
+    require(saved == here as u64, field, saved, &here.to_string())
 }
 
-fn small(word: u64, field: &str, most: u64) -> Result<u32, StateFileError> {
-    need(word <= most, field, word, &format!("at most {most}"))?;
+fn require_at_most(word: u64, field: &str, most: u64) -> Result<u32, StateFileError> {
+    require(word <= most, field, word, &format!("at most {most}"))?;
     u32::try_from(word).map_err(|_too_many| StateFileError::Length { field: field.to_owned() })
 }
 
 /// Checks the number of a body or an obstacle against the count of them.
-fn place((word, count): (u64, usize)) -> Result<usize, StateFileError> {
+fn require_index((word, count): (u64, usize)) -> Result<usize, StateFileError> {
     let found = usize::try_from(word).ok().filter(|&place| place < count);
-    found.ok_or_else(|| wrong("the number of a body or an obstacle", word, &format!("a number below {count}")))
+    found.ok_or_else(|| value_error("the number of a body or an obstacle", word, &format!("a number below {count}")))
 }

@@ -18,17 +18,17 @@ use crate::math::{Aabb, Vector};
 use crate::physics::{Plan, Scheme, Simulation, StepReport};
 
 /// How far a prediction looks ahead, simulated s.
-const AHEAD_SECS: f64 = 0.1;
+const PREDICTED_SECS: f64 = 0.1;
 /// The most link forces to evaluate for one prediction: about half a second of work.
-const MOST_LINK_FORCES: u64 = 60_000_000;
+const MAX_LINK_FORCES: u64 = 60_000_000;
 /// The pause between the end of one prediction and the beginning of the next, wall time, and the pause after one that was
 /// too much work.
-const BETWEEN: Duration = Duration::from_millis(500);
-const BETWEEN_REFUSALS: Duration = Duration::from_secs(10);
+const PAUSE: Duration = Duration::from_millis(500);
+const PAUSE_AFTER_REFUSAL: Duration = Duration::from_secs(10);
 /// Predictions take one part in this many of the time of the steps.
-pub(super) const SHARE: u32 = 20;
+pub(super) const TIME_DIVISOR: u32 = 20;
 /// Differences below this share of the bodies' size are rounding error.
-const ROUNDING: f64 = 2e-5;
+const ROUNDING_SHARE: f64 = 2e-5;
 
 /// What is known of the error of the steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -74,7 +74,7 @@ pub(super) struct StepErrors {
 
 impl StepErrors {
     /// Forgets all results, as something has changed.
-    pub(super) fn forget(&mut self) {
+    pub(super) fn reset(&mut self) {
         *self = Self::default();
     }
 
@@ -85,14 +85,14 @@ impl StepErrors {
 
     /// Goes on until this instant or until `stop` is set. Begins from the present state of a simulation if nothing is under
     /// way.
-    pub(super) fn go_on(&mut self, simulation: &Simulation<f32>, until: Instant, stop: &AtomicBool) {
+    pub(super) fn run_until(&mut self, simulation: &Simulation<f32>, until: Instant, stop: &AtomicBool) {
         if self.running.is_none() {
             let is_due = self.next.is_none_or(|next| Instant::now() >= next);
             if !is_due || !simulation.state().is_between_steps() || !simulation.state().is_between_substeps() {
                 return;
             }
-            if Comparison::least_work(simulation) > MOST_LINK_FORCES {
-                self.end(StepError::TooExpensive);
+            if Comparison::least_work(simulation) > MAX_LINK_FORCES {
+                self.finish(StepError::TooExpensive);
                 return;
             }
             self.running = Some(Comparison::new(simulation, 0.5));
@@ -102,13 +102,13 @@ impl StepErrors {
             && !stop.load(Ordering::Relaxed)
         {
             if let Some(found) = comparison.substep(stop) {
-                self.end(found);
+                self.finish(found);
             }
         }
     }
 
-    fn end(&mut self, found: StepError) {
-        let pause = if found == StepError::TooExpensive { BETWEEN_REFUSALS } else { BETWEEN };
+    fn finish(&mut self, found: StepError) {
+        let pause = if found == StepError::TooExpensive { PAUSE_AFTER_REFUSAL } else { PAUSE };
         *self = Self { running: None, shown: found, next: Instant::now().checked_add(pause) };
     }
 }
@@ -121,7 +121,7 @@ struct Comparison {
     halved: Box<Simulation<f32>>,
     /// Link forces spent so far.
     work: u64,
-    touched: bool,
+    had_contact: bool,
 }
 
 impl Comparison {
@@ -130,13 +130,13 @@ impl Comparison {
         let (whole, mut halved) = (Box::new(simulation.clone()), Box::new(simulation.clone()));
         // The numbers of substeps in a step and of parts in a substep stay the same, and each of them is shorter.
         halved.plan_mut().dt_secs *= share;
-        Self { from_secs: simulation.state().time_secs, whole, halved, work: 0, touched: false }
+        Self { from_secs: simulation.state().time_secs, whole, halved, work: 0, had_contact: false }
     }
 
     /// The least link forces that a comparison takes.
     fn least_work(simulation: &Simulation<f32>) -> u64 {
         let links: usize = simulation.model().link_counts().iter().sum();
-        let substeps = 3.0 * AHEAD_SECS / simulation.plan().substep_secs();
+        let substeps = 3.0 * PREDICTED_SECS / simulation.plan().substep_secs();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, saturating")]
         let work = (substeps * links as f64 * evaluations(simulation.plan())) as u64;
         work
@@ -145,7 +145,7 @@ impl Comparison {
     /// Takes a substep of one of the copies; one that is given up is taken at the next call. Returns the result once both
     /// have arrived.
     fn substep(&mut self, stop: &AtomicBool) -> Option<StepError> {
-        let end_secs = self.from_secs + AHEAD_SECS - 1e-9;
+        let end_secs = self.from_secs + PREDICTED_SECS - 1e-9;
         let has_arrived = |simulation: &Simulation<f32>, at_secs: f64| {
             simulation.state().is_between_substeps() && simulation.state().time_secs >= at_secs
         };
@@ -157,27 +157,27 @@ impl Comparison {
         }
         let links: usize = simulation.model().link_counts().iter().sum();
         self.work += report.counters.link_forces + report.counters.implicit_work() * links as u64;
-        self.touched |= report.last.contacts > 0;
+        self.had_contact |= report.last.contacts > 0;
         let arrived = is_last && has_arrived(&self.halved, self.whole.state().time_secs - 1e-9);
         match () {
             () if report.diverged => Some(StepError::Breaks),
-            () if arrived => Some(StepError::Found(self.found())),
-            () if self.work > MOST_LINK_FORCES => Some(StepError::TooExpensive),
+            () if arrived => Some(StepError::Found(self.prediction())),
+            () if self.work > MAX_LINK_FORCES => Some(StepError::TooExpensive),
             () => None,
         }
     }
 
-    fn found(&self) -> Prediction {
+    fn prediction(&self) -> Prediction {
         let [whole, halved] = [&self.whole, &self.halved].map(|simulation| &simulation.state().position);
         let square = |(a, b): (&<f32 as crate::math::Real>::Vec3, &<f32 as crate::math::Real>::Vec3)| {
             (a.to_dvec3() - b.to_dvec3()).length_squared()
         };
         let sum: f64 = whole.iter().zip(halved).map(square).sum();
         let difference_m = (sum / whole.len().max(1) as f64).sqrt();
-        let order = if self.touched { 1 } else { order(self.whole.plan().scheme) };
+        let order = if self.had_contact { 1 } else { order(self.whole.plan().scheme) };
         let raised = f64::from(1_u32 << order);
         let size_m = Aabb::<f64>::around(whole.iter().map(|at| at.to_dvec3())).size().max_element();
-        let (predicted_m, rounding_m) = (difference_m * raised / (raised - 1.0), ROUNDING * size_m);
+        let (predicted_m, rounding_m) = (difference_m * raised / (raised - 1.0), ROUNDING_SHARE * size_m);
         Prediction {
             error_m: predicted_m.max(rounding_m),
             is_rounding: predicted_m <= rounding_m,
@@ -269,7 +269,7 @@ mod tests {
                 continue;
             }
             let Some(found) = predicted(&with(&scene, integrator, row.dt_secs), share) else { continue };
-            let is_telling = row.error_rms_m > WITHIN * ROUNDING;
+            let is_telling = row.error_rms_m > WITHIN * ROUNDING_SHARE;
             let ratio = found.error_m / row.error_rms_m;
             compared += usize::from(is_telling);
             if ratio > WITHIN && !found.is_rounding || is_telling && ratio < 1.0 / WITHIN {
@@ -311,7 +311,7 @@ mod tests {
         use crate::scene::edit::Edit;
         let mut session = session(with(&scene("hanging"), Integrator::SemiImplicit, 1e-3));
         let StepError::Found(found) = known(&mut session) else { panic!("{:?}", session.status().step_error) };
-        assert!(found.error_m > 0.0 && (found.ahead_secs - AHEAD_SECS).abs() < 2e-3, "{found:?}");
+        assert!(found.error_m > 0.0 && (found.ahead_secs - PREDICTED_SECS).abs() < 2e-3, "{found:?}");
         let mut settings = session.scene().settings.clone();
         settings.dt = 5e-4;
         session.handle(crate::session::Command::Edit(Edit::Settings(settings))).expect("a smaller step");

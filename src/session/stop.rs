@@ -6,63 +6,63 @@ use std::time::Duration;
 use cpu_time::ThreadTime;
 
 use super::Session;
-use super::predict::{SLOWEST, crawl};
+use super::predict::{MIN_REAL_TIME_FACTOR, slow_run_warning};
 use crate::physics::Simulation;
 use crate::physics::Stage;
 use crate::physics::StageTimer;
 
 /// The most processor time spent on finding out whether a scene is too slow to watch.
-const LONGEST_LOOK: Duration = Duration::from_secs(1);
+const MAX_CHECK_TIME: Duration = Duration::from_secs(1);
 
 /// Gives a substep up when it has taken too long or someone waits.
-struct Patience<'a> {
+struct TimeLimit<'a> {
     since: ThreadTime,
     stop: &'a AtomicBool,
 }
 
-impl StageTimer for Patience<'_> {
+impl StageTimer for TimeLimit<'_> {
     fn enter(&mut self, _: Stage) {}
     fn leave(&mut self) {}
     fn stops(&self) -> bool {
-        self.since.elapsed() >= LONGEST_LOOK || self.stop.load(Ordering::Relaxed)
+        self.since.elapsed() >= MAX_CHECK_TIME || self.stop.load(Ordering::Relaxed)
     }
 }
 
 impl Session {
     /// Stops time, with the reason, where it would run slower than anyone can watch. If someone interrupts the measurement,
     /// it is repeated before time goes on.
-    pub fn hold_if_too_slow(&mut self) {
+    pub fn pause_if_too_slow(&mut self) {
         if self.awaited_modes().is_some() {
             // Until the modes are found, bodies move by their cells.
             self.may_be_too_slow = true;
             return;
         }
-        self.too_slow = too_slow(&self.simulation, &self.stop).unwrap_or_default();
-        self.playing &= self.too_slow.is_empty();
+        self.too_slow_reason = slow_scene_warning(&self.simulation, &self.stop).unwrap_or_default();
+        self.playing &= self.too_slow_reason.is_empty();
         self.may_be_too_slow = self.stop.load(Ordering::Relaxed);
     }
 }
 
-/// Returns the warning before time runs, if it is certain within [`LONGEST_LOOK`]. Measures on a copy.
-fn too_slow(simulation: &Simulation<f32>, stop: &AtomicBool) -> Option<String> {
+/// Returns the warning before time runs, if it is certain within [`MAX_CHECK_TIME`]. Measures on a copy.
+fn slow_scene_warning(simulation: &Simulation<f32>, stop: &AtomicBool) -> Option<String> {
     let mut copy = simulation.clone();
     let start_secs = copy.state().time_secs;
-    let mut patience = Patience { since: ThreadTime::now(), stop };
+    let mut limit = TimeLimit { since: ThreadTime::now(), stop };
     loop {
-        let report = copy.substep(&mut patience);
+        let report = copy.substep(&mut limit);
         if stop.load(Ordering::Relaxed) {
             return None;
         }
-        let elapsed_secs = patience.since.elapsed().as_secs_f64();
+        let elapsed_secs = limit.since.elapsed().as_secs_f64();
         let simulated_secs = copy.state().time_secs - start_secs;
-        let fast_enough = simulated_secs >= SLOWEST * LONGEST_LOOK.as_secs_f64();
+        let fast_enough = simulated_secs >= MIN_REAL_TIME_FACTOR * MAX_CHECK_TIME.as_secs_f64();
         if report.diverged || fast_enough {
             return None;
         }
-        if report.stopped || patience.stops() {
+        if report.stopped || limit.stops() {
             // The substep that was given up counts as taken, so that the speed is not underestimated.
             let begun_secs = if report.stopped { copy.plan().substep_secs() } else { 0.0 };
-            let words = crawl((simulated_secs + begun_secs) / elapsed_secs)?;
+            let words = slow_run_warning((simulated_secs + begun_secs) / elapsed_secs)?;
             return Some(format!("{words}; time stands still until you press Play"));
         }
     }
@@ -175,8 +175,8 @@ mod tests {
         let stop = Arc::new(AtomicBool::new(true));
         slow.set_stop(Arc::clone(&stop));
         let before = ThreadTime::now();
-        slow.hold_if_too_slow();
-        assert!(before.elapsed() < LONGEST_LOOK / 5, "after {:?}", before.elapsed());
+        slow.pause_if_too_slow();
+        assert!(before.elapsed() < MAX_CHECK_TIME / 5, "after {:?}", before.elapsed());
         assert!(slow.is_playing(), "it is not known yet");
         stop.store(false, Ordering::Relaxed);
         slow.advance(Duration::from_millis(1), Duration::from_millis(1));
@@ -204,14 +204,14 @@ mod tests {
     #[test]
     fn a_scene_that_nobody_can_watch_waits_for_play() {
         let mut slow = session(SLOW);
-        slow.hold_if_too_slow();
+        slow.pause_if_too_slow();
         let status = slow.status();
         assert!(!status.playing && status.message.contains("slower than a thousandth"), "{}", status.message);
         slow.handle(Command::Play).expect("always possible");
         assert!(slow.status().playing && !slow.status().message.contains("thousandth"), "as asked for");
         for preset in presets::presets() {
             let mut session = Session::new((preset.build)(), PathBuf::new(), String::new()).expect("it resolves");
-            session.hold_if_too_slow();
+            session.pause_if_too_slow();
             assert!(session.is_playing(), "{}", preset.name);
         }
     }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::Session;
 use super::error::SessionError;
-use super::modes::{BodyModes, Swing, Swinging, find};
+use super::modes::{BodyModes, Swing, Swinging, compute_modes};
 use crate::geometry::Watch;
 use crate::math::rotation;
 use crate::modal::ModalError;
@@ -16,8 +16,8 @@ impl Session {
     /// # Panics
     /// If there is no such body.
     pub fn modes(&self, body: BodyId, count: usize, watch: &dyn Watch) -> Result<BodyModes, ModalError> {
-        let modes = find(&self.simulation, body.0, count, watch)?;
-        Ok(BodyModes { body, modes, described: self.scene.bodies[body.0].clone() })
+        let modes = compute_modes(&self.simulation, body.0, count, watch)?;
+        Ok(BodyModes { body, modes, source_body: self.scene.bodies[body.0].clone() })
     }
 
     /// Shows a body's modes while time stands still, or ends that.
@@ -36,8 +36,8 @@ impl Session {
             _ => 0.0,
         };
         self.swinging = swing.map(|swing| Swinging { swing, secs });
-        self.clock.forgive();
-        self.picture.touch();
+        self.clock.reset();
+        self.picture.invalidate();
         Ok(())
     }
 
@@ -52,25 +52,25 @@ impl Session {
     }
 
     /// Lets the played mode swing on. Returns whether modes are shown, so that time stands still.
-    pub(super) fn swing_on(&mut self, wall: Duration) -> bool {
+    pub(super) fn advance_swing(&mut self, wall: Duration) -> bool {
         if self.is_swinging()
             && let Some(swinging) = &mut self.swinging
         {
             swinging.secs += wall.as_secs_f64();
-            self.picture.touch();
+            self.picture.invalidate();
         }
         self.swinging.is_some()
     }
 
     /// Ends the display of modes that no longer belong to their body.
-    pub(super) fn end_old_swing(&mut self) {
+    pub(super) fn end_outdated_swing(&mut self) {
         if self.swinging.as_ref().is_some_and(|swinging| !swinging.swing.of.is_of(&self.scene)) {
             self.swinging = None;
         }
     }
 
     /// Moves the particles of the body whose modes are shown to where the modes put them, about its start.
-    pub(super) fn place_swing(&self, positions: &mut [[f32; 3]]) {
+    pub(super) fn displace_by_modes(&self, positions: &mut [[f32; 3]]) {
         let Some(Swinging { swing, secs }) = &self.swinging else { return };
         let body = &self.simulation.model().bodies[swing.of.body.0];
         let turn = rotation::from_euler_deg(self.scene.bodies[swing.of.body.0].pose.rotation_deg);
@@ -92,8 +92,8 @@ impl Session {
             .collect();
         for (local, (to, start)) in positions[body.particles.clone()].iter_mut().zip(&body.start).enumerate() {
             let modes = swing.of.modes.modes.iter().zip(&weights).filter(|(_, weight)| weight.abs() > 0.0);
-            let way: glam::DVec3 = modes.map(|(mode, weight)| mode.shape[local] * *weight).sum();
-            *to = (*start + (turn * way).as_vec3()).to_array();
+            let displacement: glam::DVec3 = modes.map(|(mode, weight)| mode.shape[local] * *weight).sum();
+            *to = (*start + (turn * displacement).as_vec3()).to_array();
         }
     }
 }
@@ -109,7 +109,7 @@ mod tests {
     use crate::scene::{Shape, presets};
     use crate::session::Command;
     use crate::session::background::BackgroundError;
-    use crate::session::modes::{MOST_HZ, body_modes};
+    use crate::session::modes::{MAX_SHOWN_HZ, body_modes};
     use crate::session::progress::Progress;
 
     fn session() -> Session {
@@ -149,7 +149,7 @@ mod tests {
         assert!(!session.is_swinging() && session.status().swing.is_some(), "nothing is played");
         session.handle(Command::ShowModes(Some(swing(&of, Some(2))))).expect("modes of this body");
         let (hertz, slower) = swing(&of, Some(2)).shown_hz().expect("it swings");
-        assert!(hertz <= MOST_HZ && slower >= 1.0, "{hertz} Hz, {slower} times slower");
+        assert!(hertz <= MAX_SHOWN_HZ && slower >= 1.0, "{hertz} Hz, {slower} times slower");
         session.advance(Duration::from_secs_f64(0.25 / hertz), Duration::from_millis(1));
         assert!(session.is_swinging() && farthest(&mut session) < 1e-4, "a quarter of a swing later it passes rest");
         session.handle(Command::ShowModes(None)).expect("no modes any more");
@@ -179,7 +179,7 @@ mod tests {
     fn what_has_no_modes_says_why_and_what_is_cancelled_stops() {
         let session = session();
         let none = body_modes(session.scene(), Path::new(""), BodyId(7), &Progress::default(), &|| ());
-        assert!(matches!(none, Err(BackgroundError::Nothing(_))), "{none:?}");
+        assert!(matches!(none, Err(BackgroundError::NotPossible(_))), "{none:?}");
         let progress = Progress::default();
         progress.cancel();
         let stopped = body_modes(session.scene(), Path::new(""), BodyId(0), &progress, &|| ());

@@ -9,7 +9,7 @@ use cpu_time::ThreadTime;
 use crate::physics::{choose_step_threads, step_threads};
 
 /// Threads of a window that work beside the steps: its own and that of its driver.
-const BESIDE_STEPS: usize = 2;
+const WINDOW_THREADS: usize = 2;
 
 /// Makes every simulation of the process take its steps with this many threads, 0 for all of the machine's. Returns whether
 /// they do: not after another choice or a simulation.
@@ -20,7 +20,7 @@ pub fn choose_threads(count: usize) -> bool {
 /// The same for a window drawn beside the steps: for 0, two of the machine's threads are left to the window and its driver.
 pub fn choose_threads_beside_window(count: usize) -> bool {
     let all = available_parallelism().map_or(1, NonZero::get);
-    choose_step_threads(if count == 0 { all.saturating_sub(BESIDE_STEPS) } else { count })
+    choose_step_threads(if count == 0 { all.saturating_sub(WINDOW_THREADS) } else { count })
 }
 
 /// Returns the processor time of all threads of the current pool, or of this thread where it is in none.

@@ -16,10 +16,10 @@ use crate::report::judge::{Patience, Watch};
 use crate::scene::Scene;
 
 /// The simulated time of a trial, and the link forces after which it is cut short: some seconds of work.
-const PATIENCE: Patience = Patience { seconds: 1.0, most_link_forces: 300_000_000 };
+const TRIAL_LIMITS: Patience = Patience { seconds: 1.0, most_link_forces: 300_000_000 };
 
 /// A trial that was cut short counts if nothing was wrong for this long, s: explosions take less.
-const LEAST_SECS: f64 = 0.1;
+const MIN_CUT_SHORT_SECS: f64 = 0.1;
 
 /// Cures that are tried one after another.
 #[derive(Debug)]
@@ -27,10 +27,10 @@ pub(super) struct Trials {
     scene: Scene,
     lattices: Vec<Arc<Lattice>>,
     /// The state from which a cure without a restart goes on.
-    from: Box<Simulation<f32>>,
+    start: Box<Simulation<f32>>,
     waiting: VecDeque<Cure>,
     running: Option<Trial>,
-    holds: Vec<Cure>,
+    helpful_cures: Vec<Cure>,
 }
 
 /// A cure under trial.
@@ -38,16 +38,16 @@ pub(super) struct Trials {
 struct Trial {
     cure: Cure,
     simulation: Box<Simulation<f32>>,
-    test: Test,
+    criterion: Criterion,
 }
 
 /// What a cure has to achieve.
 #[derive(Debug)]
-enum Test {
+enum Criterion {
     /// A scene that starts anew must stay sound, with no energy from nowhere.
-    Stand(Box<Watch>),
+    StaysSound(Box<Watch>),
     /// A body that goes on must be healed. Its energy is not checked, as turning its cells back adds some.
-    Heal { link_forces: u64, diverged: bool },
+    HealsInversion { link_forces: u64, diverged: bool },
 }
 
 impl Trials {
@@ -56,16 +56,16 @@ impl Trials {
         Self {
             scene: scene.clone(),
             lattices,
-            from: Box::new(from.clone()),
+            start: Box::new(from.clone()),
             waiting: cures.into(),
             running: None,
-            holds: Vec::new(),
+            helpful_cures: Vec::new(),
         }
     }
 
     /// The cures that hold, of those tried so far.
-    pub(super) fn holds(&self) -> &[Cure] {
-        &self.holds
+    pub(super) fn helpful_cures(&self) -> &[Cure] {
+        &self.helpful_cures
     }
 
     /// Whether all have been tried.
@@ -75,18 +75,18 @@ impl Trials {
 
     /// The simulated time of the state that they go on from, s.
     pub(super) fn began_at_secs(&self) -> f64 {
-        self.from.state().time_secs
+        self.start.state().time_secs
     }
 
     /// Goes on until this instant, until all have been tried, or until `stop` is set.
-    pub(super) fn go_on(&mut self, until: Option<Instant>, stop: &AtomicBool) {
+    pub(super) fn run_until(&mut self, until: Option<Instant>, stop: &AtomicBool) {
         let goes_on = || until.is_none_or(|until| Instant::now() < until) && !stop.load(Ordering::Relaxed);
         while !self.are_over() && goes_on() {
             match &mut self.running {
                 None => self.running = self.waiting.pop_front().and_then(|cure| self.begin(cure)),
                 Some(trial) => {
-                    if !trial.substep(self.from.state().time_secs, stop) {
-                        self.end();
+                    if !trial.substep(self.start.state().time_secs, stop) {
+                        self.finish_trial();
                     }
                 }
             }
@@ -107,30 +107,32 @@ impl Trials {
         let simulation = if cure.restart {
             Simulation::new(&scene, &self.lattices)
         } else {
-            let mut simulation = (*self.from).clone();
+            let mut simulation = (*self.start).clone();
             let kept: Vec<_> = (0..scene.obstacles.len()).map(Some).collect();
             simulation.set_parameters(&scene, &self.lattices, &kept, Arrival::Placed);
             simulation
         };
-        let test = if cure.restart {
-            Test::Stand(Box::new(Watch::open(&simulation, PATIENCE)))
+        let criterion = if cure.restart {
+            Criterion::StaysSound(Box::new(Watch::open(&simulation, TRIAL_LIMITS)))
         } else {
-            Test::Heal { link_forces: 0, diverged: false }
+            Criterion::HealsInversion { link_forces: 0, diverged: false }
         };
-        Some(Trial { cure, simulation: Box::new(simulation), test })
+        Some(Trial { cure, simulation: Box::new(simulation), criterion })
     }
 
-    fn end(&mut self) {
-        let Some(Trial { cure, simulation, test }) = self.running.take() else { return };
-        let helps = match test {
-            Test::Stand(watch) => {
+    fn finish_trial(&mut self) {
+        let Some(Trial { cure, simulation, criterion }) = self.running.take() else { return };
+        let helps = match criterion {
+            Criterion::StaysSound(watch) => {
                 let verdict = watch.verdict();
-                verdict.fault.is_none() && (!verdict.cut_short || verdict.simulated_secs >= LEAST_SECS)
+                verdict.fault.is_none() && (!verdict.cut_short || verdict.simulated_secs >= MIN_CUT_SHORT_SECS)
             }
-            Test::Heal { diverged, .. } => !diverged && simulation.inverted_cells() < self.from.inverted_cells(),
+            Criterion::HealsInversion { diverged, .. } => {
+                !diverged && simulation.inverted_cells() < self.start.inverted_cells()
+            }
         };
         if helps {
-            self.holds.push(cure);
+            self.helpful_cures.push(cure);
         }
     }
 }
@@ -140,9 +142,9 @@ impl Trial {
     /// `begin_secs`. Returns whether the trial goes on.
     fn substep(&mut self, begin_secs: f64, stop: &AtomicBool) -> bool {
         let mut timer = Stoppable { timer: None, stop };
-        match &mut self.test {
-            Test::Stand(watch) => watch.substep_unless(&mut self.simulation, &mut timer),
-            Test::Heal { link_forces, diverged } => {
+        match &mut self.criterion {
+            Criterion::StaysSound(watch) => watch.substep_unless(&mut self.simulation, &mut timer),
+            Criterion::HealsInversion { link_forces, diverged } => {
                 let report = self.simulation.substep(&mut timer);
                 if report.stopped {
                     return true;
@@ -150,7 +152,7 @@ impl Trial {
                 *link_forces += report.counters.link_forces;
                 *diverged = report.diverged;
                 let passed = self.simulation.state().time_secs - begin_secs;
-                !report.diverged && passed < PATIENCE.seconds && *link_forces < PATIENCE.most_link_forces
+                !report.diverged && passed < TRIAL_LIMITS.seconds && *link_forces < TRIAL_LIMITS.most_link_forces
             }
         }
     }

@@ -4,9 +4,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::background::{BackgroundError, Paced};
+use super::background::{BackgroundError, PausingWatch};
 use super::document::Opened;
-use super::modes::{find, is_alike};
+use super::modes::{compute_modes, has_same_modes};
 use super::modes_cache::{self, ENDING};
 use super::progress::Progress;
 use crate::geometry::Watch;
@@ -24,19 +24,19 @@ pub struct WantedModes {
     /// Its name.
     pub name: String,
     /// The body that they are of.
-    described: Body,
+    source_body: Body,
 }
 
 /// The outcome of the search for a body's modes.
 #[derive(Clone, Debug)]
 pub struct FoundModes {
-    pub(super) described: Body,
-    pub(super) outcome: Outcome,
+    pub(super) source_body: Body,
+    pub(super) outcome: SearchOutcome,
 }
 
 /// The possible outcomes.
 #[derive(Clone, Debug)]
-pub(super) enum Outcome {
+pub(super) enum SearchOutcome {
     /// The body moves by these modes.
     Found(Arc<ModalModel>),
     /// The body cannot move by modes; why, as half a sentence.
@@ -48,27 +48,27 @@ pub(super) enum Outcome {
 impl WantedModes {
     /// The modes wanted for a body of a scene, if it is to move by modes.
     pub(super) fn of(scene: &Scene, body: usize) -> Option<Self> {
-        let described = &scene.bodies[body];
-        is_wanted(described).then(|| Self {
+        let source_body = &scene.bodies[body];
+        is_wanted(source_body).then(|| Self {
             body: BodyId(body),
-            name: named(&described.name, "body", body),
-            described: described.clone(),
+            name: named(&source_body.name, "body", body),
+            source_body: source_body.clone(),
         })
     }
 
     /// The outcome if nobody wants to wait for them.
     pub fn stopped(&self) -> FoundModes {
-        FoundModes { described: self.described.clone(), outcome: Outcome::Stopped }
+        FoundModes { source_body: self.source_body.clone(), outcome: SearchOutcome::Stopped }
     }
 
     /// The outcome if they cannot be found; why, as half a sentence.
     pub fn refused(&self, why: String) -> FoundModes {
-        FoundModes { described: self.described.clone(), outcome: Outcome::Refused(why) }
+        FoundModes { source_body: self.source_body.clone(), outcome: SearchOutcome::Refused(why) }
     }
 
     /// Whether another body waits for the same modes.
     pub fn is_alike(&self, other: &Self) -> bool {
-        is_of(&self.described, &other.described)
+        has_same_modes_and_count(&self.source_body, &other.source_body)
     }
 
     /// Reads them from a folder where they are kept, or finds them in a compiled body and keeps them there.
@@ -80,25 +80,25 @@ impl WantedModes {
         watch: &dyn Watch,
     ) -> Result<FoundModes, ModalError> {
         let model = &simulation.model().bodies[body];
-        let count = self.described.mode_count as usize;
+        let count = self.source_body.mode_count as usize;
         let key = modes_cache::key(model, count);
         let kept = folder.and_then(|folder| modes_cache::read(folder, key, model));
         let outcome = match kept {
-            Some(kept) => Outcome::Found(Arc::new(kept)),
-            None => match find(simulation, body, count, watch) {
-                Ok(found) if found.rigid != rigid_motions(model) => Outcome::Refused(refusal(model).to_owned()),
+            Some(kept) => SearchOutcome::Found(Arc::new(kept)),
+            None => match compute_modes(simulation, body, count, watch) {
+                Ok(found) if found.rigid != rigid_motions(model) => SearchOutcome::Refused(refusal(model).to_owned()),
                 Ok(found) => {
                     let modes = found.reduced(model);
                     if let Some(folder) = folder {
                         modes_cache::write(folder, key, &modes);
                     }
-                    Outcome::Found(modes)
+                    SearchOutcome::Found(modes)
                 }
                 Err(ModalError::Cancelled) => return Err(ModalError::Cancelled),
-                Err(error) => Outcome::Refused(error.to_string()),
+                Err(error) => SearchOutcome::Refused(error.to_string()),
             },
         };
-        Ok(FoundModes { described: self.described.clone(), outcome })
+        Ok(FoundModes { source_body: self.source_body.clone(), outcome })
     }
 }
 
@@ -119,14 +119,16 @@ pub fn find_modes(
     progress: &Progress,
     pause: &(dyn Fn() + Sync),
 ) -> Result<FoundModes, BackgroundError> {
-    let alone = Scene { bodies: vec![wanted.described.clone()], obstacles: Vec::new(), ..scene.clone() };
+    let alone = Scene { bodies: vec![wanted.source_body.clone()], obstacles: Vec::new(), ..scene.clone() };
     let opened = Opened::without_file(alone, String::new(), base_dir.to_owned());
     let lattices = opened.lattices(&CancelOnly(progress))?;
     if progress.is_cancelled() {
         return Err(BackgroundError::Cancelled);
     }
     let simulation = Simulation::<f32>::new(&opened.scene, &lattices);
-    wanted.find_in(&simulation, 0, folder, &Paced { progress, pause }).map_err(|_cancelled| BackgroundError::Cancelled)
+    wanted
+        .find_in(&simulation, 0, folder, &PausingWatch { progress, pause })
+        .map_err(|_cancelled| BackgroundError::Cancelled)
 }
 
 /// Whether a body is to move by modes.
@@ -150,6 +152,6 @@ fn refusal(body: &BodyModel<f32>) -> &'static str {
 }
 
 /// Whether two bodies have the same modes, and want as many of them.
-pub(super) fn is_of(body: &Body, described: &Body) -> bool {
-    body.mode_count == described.mode_count && is_alike(body, described)
+pub(super) fn has_same_modes_and_count(body: &Body, source_body: &Body) -> bool {
+    body.mode_count == source_body.mode_count && has_same_modes(body, source_body)
 }

@@ -7,7 +7,7 @@ use crate::scene::edit::Edit;
 use crate::scene::{Scene, named};
 
 /// Names on a path that add nothing to the name after them.
-const SILENT: [&str; 10] =
+const OMITTED_NAMES: [&str; 10] =
     ["material", "springs", "solid", "shape", "cube", "model", "pose", "plane", "sphere", "settings"];
 
 /// What an edit changes in a scene, in words. An edit that changes nothing has none.
@@ -19,11 +19,12 @@ pub(super) fn words(scene: &Scene, edit: &Edit) -> String {
         Edit::Settings(new) => difference(&scene.settings, new),
         Edit::View(new) => difference(&scene.view, new),
         Edit::Body(id, new) => {
-            scene.bodies.get(id.0).map_or_else(String::new, |old| of(&difference(old, &**new), &body(id.0)))
+            scene.bodies.get(id.0).map_or_else(String::new, |old| value_of(&difference(old, &**new), &body(id.0)))
         }
-        Edit::Obstacle(id, new) => {
-            scene.obstacles.get(id.0).map_or_else(String::new, |old| of(&difference(old, &**new), &obstacle(id.0)))
-        }
+        Edit::Obstacle(id, new) => scene
+            .obstacles
+            .get(id.0)
+            .map_or_else(String::new, |old| value_of(&difference(old, &**new), &obstacle(id.0))),
         Edit::InsertBody(id, new) => format!("add {}", name_of(Some(&new.name), "body", id.0)),
         Edit::InsertObstacle(id, new) => format!("add {}", name_of(Some(&new.name), "obstacle", id.0)),
         Edit::RemoveBody(id) => format!("delete {}", body(id.0)),
@@ -45,12 +46,12 @@ pub(super) fn value_at(scene: &Scene, path: &str) -> String {
         ("obstacles", Some(place)) => {
             name_of(scene.obstacles.get(place).map(|obstacle| obstacle.name.as_str()), "obstacle", place)
         }
-        _ => return spoken(&names.collect::<Vec<_>>()),
+        _ => return path_in_words(&names.collect::<Vec<_>>()),
     };
-    of(&spoken(&names.collect::<Vec<_>>()), &owner)
+    value_of(&path_in_words(&names.collect::<Vec<_>>()), &owner)
 }
 
-fn of(what: &str, name: &str) -> String {
+fn value_of(what: &str, name: &str) -> String {
     if what.is_empty() { String::new() } else { format!("{what} of {name}") }
 }
 
@@ -58,28 +59,28 @@ fn of(what: &str, name: &str) -> String {
 fn difference(old: &impl Serialize, new: &impl Serialize) -> String {
     let (Ok(old), Ok(new)) = (serde_json::to_value(old), serde_json::to_value(new)) else { return String::new() };
     let mut paths = Vec::new();
-    differing(&old, &new, &mut Vec::new(), &mut paths);
+    collect_differences(&old, &new, &mut Vec::new(), &mut paths);
     let Some(mut common) = paths.first().cloned() else { return String::new() };
     for path in &paths {
         let same = common.iter().zip(path).take_while(|(a, b)| a == b).count();
         common.truncate(same);
     }
-    let said = spoken(&common);
+    let said = path_in_words(&common);
     if said.is_empty() { "several values".to_owned() } else { said }
 }
 
 /// Joins the names on a path that say something, in words.
-fn spoken(path: &[String]) -> String {
+fn path_in_words(path: &[String]) -> String {
     let mut names = path.iter().filter(|name| name.parse::<usize>().is_err());
     let mut said: Vec<String> =
-        names.clone().filter(|name| !SILENT.contains(&name.as_str())).map(|name| in_words(name)).collect();
+        names.clone().filter(|name| !OMITTED_NAMES.contains(&name.as_str())).map(|name| name_in_words(name)).collect();
     if said.is_empty() {
-        said.extend(names.next_back().map(|name| in_words(name)));
+        said.extend(names.next_back().map(|name| name_in_words(name)));
     }
     said.join(" ")
 }
 
-fn in_words(name: &str) -> String {
+fn name_in_words(name: &str) -> String {
     match name {
         "dt" => "step".to_owned(),
         "integrator" => "scheme".to_owned(),
@@ -89,12 +90,12 @@ fn in_words(name: &str) -> String {
     }
 }
 
-fn differing(old: &Value, new: &Value, at: &mut Vec<String>, paths: &mut Vec<Vec<String>>) {
+fn collect_differences(old: &Value, new: &Value, at: &mut Vec<String>, paths: &mut Vec<Vec<String>>) {
     match (old, new) {
         (Value::Object(a), Value::Object(b)) if a.keys().eq(b.keys()) => {
             for (name, old) in a {
                 at.push(name.clone());
-                differing(old, &b[name], at, paths);
+                collect_differences(old, &b[name], at, paths);
                 at.pop();
             }
         }

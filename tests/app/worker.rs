@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use gelatin::app::worker::{Ended, Observed, Sandbox, Snapshot, Worker};
 use gelatin::scene::Scene;
-use gelatin::session::hold::Hold;
 use gelatin::session::progress::Progress;
+use gelatin::session::step_gate::StepGate;
 use gelatin::session::{Command, Session, SessionError, Status};
 use gelatin::view::DrawList;
 
@@ -50,7 +50,7 @@ impl Sandbox for Odd {
         self.advances.fetch_add(1, Ordering::Relaxed);
     }
 
-    fn begin(&mut self, stop: &Arc<AtomicBool>, _hold: &Arc<Hold>) {
+    fn begin(&mut self, stop: &Arc<AtomicBool>, _hold: &Arc<StepGate>) {
         self.endless = self.endless.take().map(|_| Arc::clone(stop));
     }
 

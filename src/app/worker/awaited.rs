@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::session::beside::while_awaited;
+use crate::session::cancellation::run_until_cancelled;
 use crate::session::document::Opened;
 use crate::session::progress::Progress;
 use crate::session::{Session, SessionError};
@@ -14,7 +14,7 @@ const TOLD_AFTER: Duration = Duration::from_millis(300);
 /// Opens a session, and gives up when it is no longer wanted, even in parts that do not look for that themselves.
 pub(super) fn open(opened: Opened, progress: &Arc<Progress>) -> Result<Session, SessionError> {
     let watch = Arc::clone(progress);
-    while_awaited(&**progress, move || Session::open(opened, &*watch)).unwrap_or(Err(SessionError::Stopped))
+    run_until_cancelled(&**progress, move || Session::open(opened, &*watch)).unwrap_or(Err(SessionError::Stopped))
 }
 
 /// The newest request of its kind, while it is not done.

@@ -43,10 +43,10 @@ impl Default for Mesh {
 /// The surface of a model's file, kept with the obstacle so that the file is read once and an undone edit does not need it
 /// again. It follows from the path, so comparing obstacles ignores it.
 #[derive(Clone, Debug, Default)]
-pub struct Loaded(Option<Held>);
+pub struct Loaded(Option<LoadedSurface>);
 
 #[derive(Clone, Debug)]
-struct Held {
+struct LoadedSurface {
     path: String,
     up: UpAxis,
     surface: Arc<Surface>,
@@ -62,12 +62,12 @@ impl Mesh {
     /// Returns the surface, scaled to a longest extent of 1; none until the file is read.
     pub fn surface(&self) -> Option<Arc<Surface>> {
         let held = self.loaded.0.as_ref().filter(|held| held.path == self.path && held.up == self.up);
-        held.map(|held| Arc::clone(&held.surface)).or_else(|| carried(&self.path, self.up))
+        held.map(|held| Arc::clone(&held.surface)).or_else(|| builtin_surface(&self.path, self.up))
     }
 
     /// Keeps the surface read from its file.
     pub fn load(&mut self, surface: Arc<Surface>) {
-        self.loaded = Loaded(Some(Held { path: self.path.clone(), up: self.up, surface }));
+        self.loaded = Loaded(Some(LoadedSurface { path: self.path.clone(), up: self.up, surface }));
     }
 
     /// Returns the metres per unit of the surface, which is its longest extent.
@@ -83,10 +83,10 @@ impl Mesh {
 }
 
 /// Returns the surface of a model that the program carries; each is made once.
-fn carried(path: &str, up: UpAxis) -> Option<Arc<Surface>> {
-    static MADE: Mutex<Vec<(String, UpAxis, Arc<Surface>)>> = Mutex::new(Vec::new());
+fn builtin_surface(path: &str, up: UpAxis) -> Option<Arc<Surface>> {
+    static BUILTIN_SURFACES: Mutex<Vec<(String, UpAxis, Arc<Surface>)>> = Mutex::new(Vec::new());
     let bytes = builtin::model(path.strip_prefix(builtin::PREFIX)?)?;
-    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut made = BUILTIN_SURFACES.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some((.., surface)) = made.iter().find(|(known, known_up, _)| known == path && *known_up == up) {
         return Some(Arc::clone(surface));
     }

@@ -118,17 +118,17 @@ impl ObstacleShape {
             Self::Sphere(Sphere { radius, .. })
             | Self::Capsule(Capsule { radius, .. })
             | Self::Cylinder(Cylinder { radius, .. }) => 2.0 * radius,
-            Self::Box(Cuboid { half_extents: [a, b, c], .. }) => second(a, b, c),
+            Self::Box(Cuboid { half_extents: [a, b, c], .. }) => second_smallest_side(a, b, c),
             Self::Mesh(ref mesh) => {
                 let [a, b, c] = mesh.half_extents().to_array();
-                second(a, b, c)
+                second_smallest_side(a, b, c)
             }
         }
     }
 }
 
 /// The second smallest side of a box with these half sides.
-fn second(a: f64, b: f64, c: f64) -> f64 {
+fn second_smallest_side(a: f64, b: f64, c: f64) -> f64 {
     2.0 * a.min(b).max(a.max(b).min(c))
 }
 

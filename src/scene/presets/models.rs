@@ -1,7 +1,7 @@
 //! Jellified models: one with thin parts, a long one, an open one, and many at once. All are solids, which are as stiff
 //! in few cells as in many.
 
-use super::parts::{ball, carried, looking_at, scene, turned};
+use super::parts::{ball, builtin_model, looking_at, scene, turned};
 use crate::scene::Scene;
 use crate::scene::body::{Body, ContactOn, CubeShape, ModelShape, MovesBy, OccupancyChoice, PinBox, Pose, Shape};
 use crate::scene::material::{Material, Solid};
@@ -94,7 +94,7 @@ pub(super) fn spot_modes() -> Scene {
         moves_by: MovesBy::Modes,
         mode_count: 30,
         contact_on: ContactOn::Mesh,
-        ..solid("Spot", Shape::Model(ModelShape { divisions: 20, ..carried("spot.obj") }), [2e6, 300.0, 0.05])
+        ..solid("Spot", Shape::Model(ModelShape { divisions: 20, ..builtin_model("spot.obj") }), [2e6, 300.0, 0.05])
     };
     turned(30.0, 14.0, looking_at([0.0, 0.85, 0.0], 4.6, scene(spot, vec![ball([0.3, 0.3, 0.05], 0.3)])))
 }
@@ -110,10 +110,13 @@ pub(super) fn shell() -> Scene {
 
 /// Three layers of four, one above the other, each turned another way. None folds so far that it would meet itself.
 pub(super) fn many() -> Scene {
-    let spot = || solid("Spot", Shape::Model(ModelShape { divisions: 12, length: 0.8, ..carried("spot.obj") }), SOFT);
-    let tree = || solid("Tree", Shape::Model(ModelShape { divisions: 10, length: 0.8, ..carried("tree.obj") }), SOFT);
-    let coupler =
-        || solid("Coupler", Shape::Model(ModelShape { divisions: 8, length: 0.6, ..carried("coupler.obj") }), SOFT);
+    let spot =
+        || solid("Spot", Shape::Model(ModelShape { divisions: 12, length: 0.8, ..builtin_model("spot.obj") }), SOFT);
+    let tree =
+        || solid("Tree", Shape::Model(ModelShape { divisions: 10, length: 0.8, ..builtin_model("tree.obj") }), SOFT);
+    let coupler = || {
+        solid("Coupler", Shape::Model(ModelShape { divisions: 8, length: 0.6, ..builtin_model("coupler.obj") }), SOFT)
+    };
     let chair = || solid("Chair", thin("chair.obj", 14, 0.95), STIFF);
     let shell = || solid("Shell", thin("shell.obj", 15, 1.1), STIFF);
     let bodies =
@@ -138,7 +141,7 @@ const STIFF: [f64; 3] = [2e5, 200.0, 0.02];
 /// A carried model whose walls are thinner than a cell: every cell that they touch is filled.
 fn thin(name: &str, divisions: u32, length: f64) -> Shape {
     let occupancy = OccupancyChoice::Solid;
-    Shape::Model(ModelShape { divisions, occupancy, length, ..carried(name) })
+    Shape::Model(ModelShape { divisions, occupancy, length, ..builtin_model(name) })
 }
 
 /// A body of Young's modulus (Pa), density (kg/m³) and damping ratio.

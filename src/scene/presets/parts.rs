@@ -21,12 +21,12 @@ pub(super) fn u(depth: i32, size: f64) -> Shape {
 
 /// A model that the program carries as an obstacle of this length, m, standing on the ground.
 pub(super) fn mesh(name: &str, model: &str, length: f64) -> Obstacle {
-    let mut mesh = Mesh { path: carried(model).path, length, ..Mesh::default() };
+    let mut mesh = Mesh { path: builtin_model(model).path, length, ..Mesh::default() };
     mesh.center = [0.0, mesh.half_extents().y, 0.0];
     Obstacle { name: name.to_owned(), shape: ObstacleShape::Mesh(mesh), ..Obstacle::default() }
 }
 
-pub(super) fn carried(name: &str) -> ModelShape {
+pub(super) fn builtin_model(name: &str) -> ModelShape {
     ModelShape { path: format!("{}{name}", builtin::PREFIX), ..ModelShape::default() }
 }
 

@@ -121,9 +121,9 @@ fn a_large_body_is_measured_on_a_small_cube_of_its_cells() {
     let lattice = crate::report::extremes::lattices(&large).expect("a cube").swap_remove(0);
     let cell_m = lattice.grid.cell_size;
     let subject = Subject::new(&large, 0, lattice);
-    assert!(subject.steps < STEPS[1], "too much work: {} steps", subject.steps);
+    assert!(subject.steps < WATCHED_STEPS[1], "too much work: {} steps", subject.steps);
     let cube = subject.stand_in(&large).expect("a cube");
-    assert!(cube.steps > STEPS[1] && cube.stand_in == Some(5), "{} steps", cube.steps);
+    assert!(cube.steps > WATCHED_STEPS[1] && cube.stand_in == Some(5), "{} steps", cube.steps);
     assert!((cube.lattices[0].grid.cell_size - cell_m).abs() < 1e-12, "the same cells");
     assert!(!cube.scene.bodies[0].has_pins(), "cells that are pinned in the large body are others in the cube");
 }
@@ -148,7 +148,7 @@ fn what_has_no_border_is_refused_in_words() {
 fn a_border_is_looked_at_closely_where_it_falls_and_only_there() {
     // It falls to nothing at 2, as those of a damping that is too large do.
     let border = |x: f64| [(4.0 - x * x).max(0.0), 1.0];
-    let points = closer_where_steep(vec![0.5, 1.0, 3.0], 1e-3, border);
+    let points = refine_where_steep(vec![0.5, 1.0, 3.0], 1e-3, border);
     let far = |pair: &[(f64, [f64; 2])]| pair[1].0 / pair[0].0;
     let falls = points.windows(2).filter(|pair| pair[0].1[0] > 2.0 * pair[1].1[0].max(1e-3));
     let widest = falls.map(far).fold(1.0, f64::max);

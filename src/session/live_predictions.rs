@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::Session;
 use super::stability_map::{StabilityOf, StabilityShown};
-use super::step_error::{SHARE, StepError};
+use super::step_error::{StepError, TIME_DIVISOR};
 
 impl Session {
     /// Begins to show the stability of a body, or ends it.
@@ -29,10 +29,10 @@ impl Session {
     /// Goes on predicting the step error, in a small share of the time for steps, while anything moves.
     pub(super) fn predict_step_error(&mut self, budget: Duration) {
         if self.simulation.is_asleep() || self.simulation.has_diverged() {
-            self.step_errors.forget();
-        } else if let Some(until) = Instant::now().checked_add(budget / SHARE) {
-            self.hold.wait();
-            self.step_errors.go_on(&self.simulation, until, &self.stop);
+            self.step_errors.reset();
+        } else if let Some(until) = Instant::now().checked_add(budget / TIME_DIVISOR) {
+            self.step_gate.wait();
+            self.step_errors.run_until(&self.simulation, until, &self.stop);
         }
     }
 }

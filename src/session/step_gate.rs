@@ -5,39 +5,39 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// The longest hold of a simulation at a time, whatever becomes of the holder.
-const LONGEST: Duration = Duration::from_millis(50);
+const MAX_WAIT: Duration = Duration::from_millis(50);
 
 /// Holds a simulation between two substeps, from another thread.
 #[derive(Debug, Default)]
-pub struct Hold {
-    held: Mutex<bool>,
-    let_go: Condvar,
+pub struct StepGate {
+    closed: Mutex<bool>,
+    opened: Condvar,
 }
 
-impl Hold {
+impl StepGate {
     /// Makes the simulation wait before its next substep, until it is let go.
-    pub fn hold(&self) {
+    pub fn close(&self) {
         *self.lock() = true;
     }
 
     /// Lets the simulation go on.
-    pub fn let_go(&self) {
+    pub fn open(&self) {
         *self.lock() = false;
-        self.let_go.notify_all();
+        self.opened.notify_all();
     }
 
-    /// Waits as long as this is held, [`LONGEST`] at most.
+    /// Waits as long as this is closed, [`MAX_WAIT`] at most.
     pub(super) fn wait(&self) {
-        let held = self.lock();
-        if *held {
+        let closed = self.lock();
+        if *closed {
             // A thread that has panicked leaves nothing half done here.
-            let waited = self.let_go.wait_timeout_while(held, LONGEST, |held| *held);
+            let waited = self.opened.wait_timeout_while(closed, MAX_WAIT, |closed| *closed);
             drop(waited.unwrap_or_else(PoisonError::into_inner));
         }
     }
 
     fn lock(&self) -> MutexGuard<'_, bool> {
-        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+        self.closed.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -50,21 +50,21 @@ mod tests {
 
     #[test]
     fn what_is_held_waits_until_it_is_let_go_or_forgotten() {
-        let (hold, passed) = (Arc::new(Hold::default()), Arc::new(AtomicBool::new(false)));
-        hold.wait();
-        hold.hold();
+        let (gate, passed) = (Arc::new(StepGate::default()), Arc::new(AtomicBool::new(false)));
+        gate.wait();
+        gate.close();
         let waiting = std::thread::spawn({
-            let (hold, passed) = (Arc::clone(&hold), Arc::clone(&passed));
+            let (gate, passed) = (Arc::clone(&gate), Arc::clone(&passed));
             move || {
-                hold.wait();
+                gate.wait();
                 passed.store(true, Ordering::SeqCst);
             }
         });
-        hold.let_go();
+        gate.open();
         waiting.join().expect("it ends");
         assert!(passed.load(Ordering::SeqCst));
-        hold.hold();
-        hold.wait();
-        assert!(*hold.lock(), "nobody has let go, and nobody waits for ever");
+        gate.close();
+        gate.wait();
+        assert!(*gate.lock(), "nobody has let go, and nobody waits for ever");
     }
 }

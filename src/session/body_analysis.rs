@@ -11,7 +11,7 @@ use crate::scene::{Body, Material, Scene};
 
 /// The results for one body.
 #[derive(Clone, Debug)]
-pub(super) struct Found {
+pub(super) struct BodyAnalysis {
     material: Material,
     lattice: Arc<Lattice>,
     inlays: Vec<Inlay>,
@@ -23,28 +23,28 @@ pub(super) struct Found {
     /// How far its values may go.
     pub(super) safe: Arc<Vec<SafeValue>>,
     /// Its materials in the other form.
-    pub(super) other: Arc<OtherForm>,
+    pub(super) other_form: Arc<OtherForm>,
 }
 
 /// Finds the safe values, the other form and the build of every body, compiled to `models`. Results from `before` are kept
 /// for bodies that have not changed.
-pub(super) fn find(scene: &Scene, models: &[BodyModel<f32>], before: &[Found]) -> Vec<Found> {
+pub(super) fn analyse_bodies(scene: &Scene, models: &[BodyModel<f32>], before: &[BodyAnalysis]) -> Vec<BodyAnalysis> {
     let step = StepSettings::of(scene);
     let find_one = |(body, model): (&Body, &BodyModel<f32>)| {
         let (lattice, contact) = (Arc::clone(&model.lattice), ContactLoad::of(model, scene));
-        let fits = |found: &&Found| {
-            Arc::ptr_eq(&found.lattice, &lattice)
-                && found.material == body.material
-                && found.inlays == body.inlays
-                && found.parts == body.parts
-                && found.step == step
-                && found.contact == contact
+        let fits = |analysis: &&BodyAnalysis| {
+            Arc::ptr_eq(&analysis.lattice, &lattice)
+                && analysis.material == body.material
+                && analysis.inlays == body.inlays
+                && analysis.parts == body.parts
+                && analysis.step == step
+                && analysis.contact == contact
         };
-        let of_lattice = before.iter().find(|found| Arc::ptr_eq(&found.lattice, &lattice));
-        before.iter().find(fits).cloned().unwrap_or_else(|| Found {
+        let of_lattice = before.iter().find(|analysis| Arc::ptr_eq(&analysis.lattice, &lattice));
+        before.iter().find(fits).cloned().unwrap_or_else(|| BodyAnalysis {
             safe: Arc::new(largest_safe(body, model, step, contact)),
-            other: Arc::new(OtherForm::of(body, &lattice)),
-            stature: of_lattice.map_or_else(|| Stature::of(&lattice), |found| found.stature),
+            other_form: Arc::new(OtherForm::of(body, &lattice)),
+            stature: of_lattice.map_or_else(|| Stature::of(&lattice), |analysis| analysis.stature),
             material: body.material.clone(),
             lattice,
             inlays: body.inlays.clone(),

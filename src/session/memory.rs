@@ -15,22 +15,22 @@ use crate::scene::{ContactOn, Material, MovesBy, Obstacle, ObstacleShape, Scene,
 use crate::view::SkinVertex;
 
 /// The memory of the program itself and of everything small, bytes.
-const PROGRAM: u64 = 10 << 20;
+const PROGRAM_BYTES: u64 = 10 << 20;
 /// The memory of a skin vertex: itself, its triangles, their edges and folds, its position in double precision, bytes.
-const OF_A_SKIN: u64 = size_of::<SkinVertex>() as u64 + 2 * 12 + 3 * 8 + 3 * 16 + 24;
+const SKIN_VERTEX_BYTES: u64 = size_of::<SkinVertex>() as u64 + 2 * 12 + 3 * 8 + 3 * 16 + 24;
 /// The memory of a vertex of a mesh that bodies meet: its position and normal, two triangles with the neighbours beyond
 /// their edges and the boxes around them, bytes. And that of the grid of distances to the whole mesh.
-const OF_A_MET_MESH: u64 = 49 + 2 * (2 * 12 + 24 + 28);
-const DISTANCES: u64 = 1 << 20;
+const CONTACT_MESH_VERTEX_BYTES: u64 = 49 + 2 * (2 * 12 + 24 + 28);
+const DISTANCE_GRID_BYTES: u64 = 1 << 20;
 /// Schemes whose costs differ by less than this factor count as equally cheap: obstacles change the cost of a large body in
 /// another way than that of the small sample.
-const ABOUT_AS_CHEAP: f64 = 1.3;
+const SIMILAR_COST_FACTOR: f64 = 1.3;
 /// Cells along an edge of the small sample that shows which scheme a large body of its material needs.
 const SAMPLE_CELLS: u32 = 3;
 
 /// Returns the bytes that a scene with bodies of these sizes takes without a window while a scheme is at work. The pictures
 /// on its models are not included: they are in memory before the sizes of the bodies are known.
-pub(super) fn needed(scene: &Scene, outlines: &[Outline], scheme: Option<Scheme>) -> u64 {
+pub(super) fn needed_bytes(scene: &Scene, outlines: &[Outline], scheme: Option<Scheme>) -> u64 {
     let has_sides = |shape: &ObstacleShape| matches!(shape, ObstacleShape::Plane(_) | ObstacleShape::Mesh(_));
     let planes = scene.obstacles.iter().filter(|obstacle| has_sides(&obstacle.shape)).count();
     let is_mesh = |obstacle: &&Obstacle| matches!(obstacle.shape, ObstacleShape::Mesh(_));
@@ -40,24 +40,27 @@ pub(super) fn needed(scene: &Scene, outlines: &[Outline], scheme: Option<Scheme>
         .iter()
         .zip(outlines)
         .filter(|(body, outline)| body.contact_on == ContactOn::Mesh && outline.mesh_vertices > 0);
-    let met = with_mesh.clone().filter(|(body, _)| body.collides && scene.bodies.len() > 1);
-    let met: u64 = met.map(|(_, outline)| outline.mesh_vertices as u64 * OF_A_MET_MESH + DISTANCES).sum();
+    let contact_meshes = with_mesh.clone().filter(|(body, _)| body.collides && scene.bodies.len() > 1);
+    let contact_mesh_bytes: u64 = contact_meshes
+        .map(|(_, outline)| outline.mesh_vertices as u64 * CONTACT_MESH_VERTEX_BYTES + DISTANCE_GRID_BYTES)
+        .sum();
     let on_mesh = with_mesh.map(|(_, outline)| outline.counts.surface).sum();
     let size = Size { obstacles: scene.obstacles.len(), planes, meshes, on_mesh, scheme };
     let counts: Vec<_> = outlines.iter().map(|outline| outline.counts).collect();
     let vertices = |outline: &Outline| outline.mesh_vertices.max(outline.counts.surface) as u64;
-    let of_bodies =
-        bytes(&counts, size) + of_modes(scene, outlines) + outlines.iter().map(vertices).sum::<u64>() * OF_A_SKIN;
+    let of_bodies = bytes(&counts, size)
+        + modes_bytes(scene, outlines)
+        + outlines.iter().map(vertices).sum::<u64>() * SKIN_VERTEX_BYTES;
     // The models of obstacles are read one after another, before there is a body.
     let surfaces = surfaces(scene);
     let lasting: u64 = surfaces.iter().map(|surface| surface.bytes()).sum();
     let while_made = surfaces.iter().map(|surface| surface.bytes_while_made()).max().unwrap_or(0);
-    PROGRAM + lasting + met + while_made.max(of_bodies)
+    PROGRAM_BYTES + lasting + contact_mesh_bytes + while_made.max(of_bodies)
 }
 
 /// The memory of the modes of bodies that are to move by them, with the rows of their outer points, which others meet. The
 /// memory for finding the modes is checked when they are sought.
-fn of_modes(scene: &Scene, outlines: &[Outline]) -> u64 {
+fn modes_bytes(scene: &Scene, outlines: &[Outline]) -> u64 {
     let modal = scene.bodies.iter().zip(outlines).filter(|(body, _)| body.moves_by == MovesBy::Modes);
     let own = modal.map(|(body, Outline { counts, .. })| {
         let [shapes, rows] = [(counts.particles, size_of::<[f32; 3]>()), (counts.surface, size_of::<[f64; 3]>())]
@@ -79,9 +82,9 @@ fn surfaces(scene: &Scene) -> Vec<Arc<Surface>> {
 }
 
 /// Refuses a scene that needs more memory than is free. Of the schemes that may be at work the one that needs most counts.
-pub(super) fn check(scene: &Scene, outlines: &[Outline]) -> Result<(), SessionError> {
-    let by = schemes(scene, outlines).into_iter().map(|scheme| needed(scene, outlines, Some(scheme)));
-    let needed = by.max().unwrap_or_else(|| needed(scene, outlines, None));
+pub(super) fn check_memory(scene: &Scene, outlines: &[Outline]) -> Result<(), SessionError> {
+    let by = cheapest_schemes(scene, outlines).into_iter().map(|scheme| needed_bytes(scene, outlines, Some(scheme)));
+    let needed = by.max().unwrap_or_else(|| needed_bytes(scene, outlines, None));
     match free_memory() {
         Some(free) if needed > free.bytes => Err(SessionError::Memory { needed, free: free.bytes, whose: free.whose }),
         _ => Ok(()),
@@ -90,7 +93,7 @@ pub(super) fn check(scene: &Scene, outlines: &[Outline]) -> Result<(), SessionEr
 
 /// The schemes that may be at work: those that cost about as little as the cheapest, judged by small bodies of the same
 /// materials and cells.
-fn schemes(scene: &Scene, outlines: &[Outline]) -> Vec<Scheme> {
+fn cheapest_schemes(scene: &Scene, outlines: &[Outline]) -> Vec<Scheme> {
     let mut sample = scene.clone();
     for (body, outline) in sample.bodies.iter_mut().zip(outlines) {
         let cell = outline.grid.cell_size;
@@ -114,7 +117,7 @@ fn schemes(scene: &Scene, outlines: &[Outline]) -> Vec<Scheme> {
     let costs = simulation.plan().scheme_costs.iter();
     let costs: Vec<SchemeCost> = costs.map(|cost| cost.of_bodies(&counts, &of_small)).collect();
     let least = costs.iter().map(|cost| cost.cost_per_sec).fold(f64::INFINITY, f64::min);
-    let cheap = costs.into_iter().filter(|cost| cost.cost_per_sec <= ABOUT_AS_CHEAP * least);
+    let cheap = costs.into_iter().filter(|cost| cost.cost_per_sec <= SIMILAR_COST_FACTOR * least);
     cheap.map(|cost| cost.scheme).collect()
 }
 
@@ -141,7 +144,7 @@ mod tests {
             let jelly = resolve(&scene.bodies[0].shape, Path::new(""), &()).expect("a model");
             let outlines = [fill(&scene.bodies[0].shape, Path::new(""), &()).expect("a model").outline()];
             let scheme = Simulation::<f32>::new(&scene, &[jelly.lattice]).plan().scheme;
-            let counted = schemes(&scene, &outlines);
+            let counted = cheapest_schemes(&scene, &outlines);
             assert!(counted.contains(&scheme), "{divisions} {occupancy:?} {is_met}: {scheme:?} is not in {counted:?}");
             not_sure += usize::from(counted.len() > 1);
         }
