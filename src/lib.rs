@@ -94,8 +94,8 @@
 //! its own and publishes its newest picture; long work that a panel asks for has a thread beside it, and a change that
 //! makes large bodies says how far it is and can be stopped. While time stands still a body may be shown moved by its
 //! modes (`Command::ShowModes`): its state stays as it is. A frame is drawn only where something looks different, and
-//! where a processor draws, at a pace and with as many pixels as leave the simulation its share (`app::pace`); one that
-//! a person waits for has the processors to itself.
+//! where a processor draws, at a pace and with as many pixels as leave the simulation its share (`app::frame_pacer`); one
+//! that a person waits for has the processors to itself.
 //!
 //! A body that is to move by its modes waits for them with time standing still (`session::modal`): the window finds them on a
 //! thread beside the sandbox with progress and a stop, the command line at once, both in a folder beside the scene where they

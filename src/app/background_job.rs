@@ -6,16 +6,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::sentence::sentence;
-use super::ui::work::{Asked, Wish, Work};
+use super::ui::work::{JobRequest, PanelJob, Work};
 use crate::session::background::BackgroundError;
 use crate::session::progress::Progress;
 
 /// The shortest time of work between two rests.
-const STRETCH: Duration = Duration::from_millis(4);
-/// A rest is this many times as long as the stretch of work before it, and is taken in naps no longer than [`NAP`], so that
-/// a cancelled job ends soon.
-const REST: u32 = 2;
-const NAP: Duration = Duration::from_millis(50);
+const MIN_WORK_TIME: Duration = Duration::from_millis(4);
+/// A rest is this many times as long as the stretch of work before it, and is taken in naps no longer than [`MAX_NAP`], so
+/// that a cancelled job ends soon.
+const REST_RATIO: u32 = 2;
+const MAX_NAP: Duration = Duration::from_millis(50);
 
 /// The work in progress, if any.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ impl<T> Default for BackgroundJob<T> {
 }
 
 /// What a job reports to while it works: its progress, and a pause that leaves the processors to others.
-pub(super) struct Beside<'a> {
+pub(super) struct JobControl<'a> {
     /// Takes the job's progress and says whether the job is still wanted.
     pub(super) progress: &'a Progress,
     /// Called by the job between two pieces of work; may rest.
@@ -50,30 +50,30 @@ pub(super) struct Beside<'a> {
 }
 
 impl<T: Send + 'static> BackgroundJob<T> {
-    /// Fulfils the panel's wish: begins `work`, if there is anything to work on, or stops it. `wake` is called when the work
-    /// ends.
-    pub(super) fn grant<W>(
+    /// Handles the panel's request: begins `work`, if there is anything to work on, or stops it. `wake` is called when the
+    /// work ends.
+    pub(super) fn handle_request<W>(
         &mut self,
-        asked: &mut Asked<T>,
+        panel_job: &mut PanelJob<T>,
         work: impl FnOnce() -> Option<W>,
         wake: impl FnOnce() + Send + 'static,
     ) where
-        W: FnOnce(Beside<'_>) -> Result<T, BackgroundError> + Send + 'static,
+        W: FnOnce(JobControl<'_>) -> Result<T, BackgroundError> + Send + 'static,
     {
-        let Some(wish) = asked.wish.take() else { return };
+        let Some(request) = panel_job.request.take() else { return };
         // Work begun earlier is no longer wanted.
-        (self.running, asked.work) = (None, Work::Idle);
-        if let Some(work) = (wish == Wish::Begin).then(work).flatten() {
+        (self.running, panel_job.work) = (None, Work::Idle);
+        if let Some(work) = (request == JobRequest::Begin).then(work).flatten() {
             let running = start(work, wake);
-            asked.work = Work::Running(Arc::clone(&running.progress));
+            panel_job.work = Work::Running(Arc::clone(&running.progress));
             self.running = Some(running);
         }
     }
 
     /// Tells the panel the outcome of the work, if it has ended.
-    pub(super) fn answer(&mut self, asked: &mut Asked<T>) {
+    pub(super) fn answer(&mut self, panel_job: &mut PanelJob<T>) {
         let Some(running) = &self.running else { return };
-        asked.work = match running.outcome.try_recv() {
+        panel_job.work = match running.outcome.try_recv() {
             Err(TryRecvError::Empty) => return,
             Ok(Ok(result)) => Work::Ready(Box::new(result)),
             Ok(Err(BackgroundError::Cancelled)) => Work::Idle,
@@ -85,16 +85,16 @@ impl<T: Send + 'static> BackgroundJob<T> {
 }
 
 fn start<T: Send + 'static>(
-    work: impl FnOnce(Beside<'_>) -> Result<T, BackgroundError> + Send + 'static,
+    work: impl FnOnce(JobControl<'_>) -> Result<T, BackgroundError> + Send + 'static,
     wake: impl FnOnce() + Send + 'static,
 ) -> Running<T> {
     let (send, outcome) = channel();
     let progress = Arc::new(Progress::default());
     let watched = Arc::clone(&progress);
     std::thread::spawn(move || {
-        let rests = Rests::new();
-        let pause = || rests.rest(&watched);
-        if send.send(work(Beside { progress: &watched, pause: &pause })).is_err() {
+        let throttle = Throttle::new();
+        let pause = || throttle.rest_if_due(&watched);
+        if send.send(work(JobControl { progress: &watched, pause: &pause })).is_err() {
             log::debug!("nobody waits for the work any more");
         }
         wake();
@@ -103,28 +103,28 @@ fn start<T: Send + 'static>(
 }
 
 /// Decides when work rests.
-struct Rests {
+struct Throttle {
     /// The end of the last rest.
-    since: Mutex<Instant>,
+    last_rest_end: Mutex<Instant>,
 }
 
-impl Rests {
+impl Throttle {
     fn new() -> Self {
-        Self { since: Mutex::new(Instant::now()) }
+        Self { last_rest_end: Mutex::new(Instant::now()) }
     }
 
     /// Rests if a rest is due, but not longer than the work is wanted.
-    fn rest(&self, work: &Progress) {
-        let mut since = self.since.lock().unwrap_or_else(PoisonError::into_inner);
-        let worked = since.elapsed();
-        if worked >= STRETCH {
-            let mut left = worked * REST;
+    fn rest_if_due(&self, work: &Progress) {
+        let mut last_rest_end = self.last_rest_end.lock().unwrap_or_else(PoisonError::into_inner);
+        let worked = last_rest_end.elapsed();
+        if worked >= MIN_WORK_TIME {
+            let mut left = worked * REST_RATIO;
             while !left.is_zero() && !work.is_cancelled() {
-                let nap = left.min(NAP);
+                let nap = left.min(MAX_NAP);
                 std::thread::sleep(nap);
                 left -= nap;
             }
-            *since = Instant::now();
+            *last_rest_end = Instant::now();
         }
     }
 }
@@ -148,12 +148,12 @@ mod tests {
         scene
     }
 
-    fn curve(scene: Scene) -> impl FnOnce(Beside<'_>) -> Result<ErrorCurve, BackgroundError> + Send + 'static {
+    fn curve(scene: Scene) -> impl FnOnce(JobControl<'_>) -> Result<ErrorCurve, BackgroundError> + Send + 'static {
         move |beside| error_curve(&scene, Path::new(""), beside.progress, beside.pause)
     }
 
-    fn wanted() -> Asked<ErrorCurve> {
-        Asked { wish: Some(Wish::Begin), ..Asked::default() }
+    fn wanted() -> PanelJob<ErrorCurve> {
+        PanelJob { request: Some(JobRequest::Begin), ..PanelJob::default() }
     }
 
     #[test]
@@ -161,7 +161,7 @@ mod tests {
         let (mut job, mut panel) = (BackgroundJob::default(), wanted());
         let (send, woken) = channel();
         let scene = scene(1);
-        job.grant(&mut panel, || Some(curve(scene.clone())), move || send.send(()).expect("the test waits"));
+        job.handle_request(&mut panel, || Some(curve(scene.clone())), move || send.send(()).expect("the test waits"));
         assert!(matches!(panel.work, Work::Running(_)), "{:?}", panel.work);
         woken.recv_timeout(Duration::from_mins(2)).expect("it ends");
         job.answer(&mut panel);
@@ -174,11 +174,15 @@ mod tests {
         for cells in [1, 16] {
             let (mut job, mut panel) = (BackgroundJob::default(), wanted());
             let (send, woken) = channel();
-            job.grant(&mut panel, || Some(curve(scene(cells))), move || send.send(()).expect("the test waits"));
+            job.handle_request(
+                &mut panel,
+                || Some(curve(scene(cells))),
+                move || send.send(()).expect("the test waits"),
+            );
             std::thread::sleep(Duration::from_millis(300));
-            panel.wish = Some(Wish::Stop);
+            panel.request = Some(JobRequest::Stop);
             let begin = Instant::now();
-            job.grant(&mut panel, || Some(curve(scene(1))), || ());
+            job.handle_request(&mut panel, || Some(curve(scene(1))), || ());
             assert!(matches!(panel.work, Work::Idle), "{:?}", panel.work);
             woken.recv_timeout(Duration::from_secs(10)).expect("the thread ends");
             assert!(begin.elapsed() < SOON, "{cells} cells: after {:?}", begin.elapsed());
@@ -187,7 +191,7 @@ mod tests {
 
     #[test]
     fn work_rests_twice_as_long_as_it_lasts() {
-        let (rests, work) = (Rests::new(), Progress::default());
+        let (throttle, work) = (Throttle::new(), Progress::default());
         let begin = Instant::now();
         let mut worked = Duration::ZERO;
         while begin.elapsed() < Duration::from_millis(300) {
@@ -196,7 +200,7 @@ mod tests {
                 std::hint::spin_loop();
             }
             worked += piece.elapsed();
-            rests.rest(&work);
+            throttle.rest_if_due(&work);
         }
         let share = worked.as_secs_f64() / begin.elapsed().as_secs_f64();
         assert!(share < 0.45, "it works {share} of the time");
@@ -204,11 +208,11 @@ mod tests {
 
     #[test]
     fn a_long_rest_ends_with_the_wish() {
-        let (rests, work) = (Rests::new(), Progress::default());
+        let (throttle, work) = (Throttle::new(), Progress::default());
         std::thread::sleep(Duration::from_millis(300));
         work.cancel();
         let begin = Instant::now();
-        rests.rest(&work);
+        throttle.rest_if_due(&work);
         assert!(begin.elapsed() < SOON, "{:?}", begin.elapsed());
     }
 }

@@ -7,9 +7,9 @@ use egui::epaint::ClippedShape;
 /// How many shapes two lists are searched ahead for the place where they agree again.
 const LOOK_AHEAD: usize = 48;
 /// The most parts that are drawn one by one: each part walks all shapes.
-const MOST_PARTS: usize = 6;
+const MAX_PARTS: usize = 6;
 /// Two parts are drawn as one if their common rectangle is no more than this many times their summed area.
-const WASTE: f32 = 1.3;
+const MAX_AREA_RATIO: f32 = 1.3;
 
 /// The difference between two pictures of the panels, as rectangles of whole pixels that do not overlap, in points.
 pub(super) fn damage(before: &[ClippedShape], after: &[ClippedShape], pixels_per_point: f32) -> Vec<Rect> {
@@ -39,7 +39,7 @@ pub(super) fn within(shapes: &[ClippedShape], parts: &[Rect]) -> Vec<ClippedShap
         let part = *part;
         shapes
             .iter()
-            .filter(move |shape| is_something(extent(shape).intersect(part)))
+            .filter(move |shape| has_area(extent(shape).intersect(part)))
             .map(move |shape| ClippedShape { clip_rect: shape.clip_rect.intersect(part), ..shape.clone() })
     };
     parts.iter().flat_map(touching).collect()
@@ -68,13 +68,13 @@ fn extent(shape: &ClippedShape) -> Rect {
     (shape.transform_after_tessellation * own).intersect(shape.clip_rect)
 }
 
-fn is_something(rect: Rect) -> bool {
+fn has_area(rect: Rect) -> bool {
     rect.is_positive()
 }
 
 /// Adds a rectangle to a list, so that none of the list overlap.
 fn add(parts: &mut Vec<Rect>, mut rect: Rect) {
-    if !is_something(rect) {
+    if !has_area(rect) {
         return;
     }
     // Every round removes one part.
@@ -88,9 +88,9 @@ fn add(parts: &mut Vec<Rect>, mut rect: Rect) {
 /// too many.
 fn partner(parts: &[Rect], rect: Rect) -> Option<usize> {
     let waste = |part: &Rect| part.union(rect).area() / (part.area() + rect.area());
-    let close = parts.iter().position(|part| is_something(part.intersect(rect)) || waste(part) <= WASTE);
+    let close = parts.iter().position(|part| has_area(part.intersect(rect)) || waste(part) <= MAX_AREA_RATIO);
     let least = || (0..parts.len()).min_by(|&a, &b| waste(&parts[a]).total_cmp(&waste(&parts[b])));
-    close.or_else(|| if parts.len() >= MOST_PARTS { least() } else { None })
+    close.or_else(|| if parts.len() >= MAX_PARTS { least() } else { None })
 }
 
 #[cfg(test)]
@@ -171,9 +171,9 @@ mod tests {
             })
             .collect();
         let parts = damage(&before, &after, 1.0);
-        assert!(!parts.is_empty() && parts.len() <= MOST_PARTS, "{parts:?}");
+        assert!(!parts.is_empty() && parts.len() <= MAX_PARTS, "{parts:?}");
         for (index, part) in parts.iter().enumerate() {
-            assert!(parts[..index].iter().all(|other| !is_something(other.intersect(*part))), "{parts:?}");
+            assert!(parts[..index].iter().all(|other| !has_area(other.intersect(*part))), "{parts:?}");
         }
         for shape in &after {
             let covered = parts.iter().any(|part| part.contains_rect(shape.shape.visual_bounding_rect()));

@@ -1,5 +1,5 @@
 //! Files from the window's side: the system's dialogs, the list of recent files, drafts against crashes, and the panels'
-//! wishes. Remembers nothing of the scene itself.
+//! requests. Remembers nothing of the scene itself.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use super::jellify_job::{JellifyJob, Outcome};
 use super::native_dialog::{Answer, NativeDialog};
 use super::recent::Recent;
 use super::recovery::{self, Draft, Found, Keeper};
-use super::ui::files::{FilesState, FoundDraft, Wish, Work};
+use super::ui::files::{FileRequest, FilesState, FoundDraft, Work};
 use super::worker::Snapshot;
 use crate::scene::Scene;
 use crate::scene::view_settings::CameraSettings;
@@ -34,9 +34,9 @@ pub(super) struct Files {
     generation: u64,
 }
 
-/// The outcome of the panels' wishes.
+/// The outcome of the panels' requests.
 #[derive(Debug, Default)]
-pub(super) struct Granted {
+pub(super) struct RequestOutcome {
     /// Commands for the session.
     pub(super) commands: Vec<Command>,
     /// The window is to close.
@@ -109,7 +109,7 @@ impl Files {
 
     /// Passes on the answer of a system dialog and the outcome of making a model.
     pub(super) fn answer(&mut self, ui: &mut FilesState) {
-        self.look_after_job(ui);
+        self.poll_job(ui);
         let Some(native) = &self.native else { return };
         match native.answer() {
             Answer::Waiting => return,
@@ -127,44 +127,48 @@ impl Files {
         }
     }
 
-    /// Fulfils the panels' wishes. `wake` is called when long work is done.
-    pub(super) fn grant(&mut self, ui: &mut FilesState, wake: impl Fn() + Clone + Send + 'static) -> Granted {
-        let mut granted = Granted::default();
-        for wish in std::mem::take(&mut ui.wishes) {
-            match wish {
-                Wish::Browse(purpose, folder) => {
+    /// Handles the panels' requests. `wake` is called when long work is done.
+    pub(super) fn handle_requests(
+        &mut self,
+        ui: &mut FilesState,
+        wake: impl Fn() + Clone + Send + 'static,
+    ) -> RequestOutcome {
+        let mut outcome = RequestOutcome::default();
+        for request in std::mem::take(&mut ui.requests) {
+            match request {
+                FileRequest::Browse(purpose, folder) => {
                     if self.native.is_none() {
                         self.native = Some(NativeDialog::open(purpose, &folder, wake.clone()));
                     }
                 }
-                Wish::Jellify(wanted) => {
+                FileRequest::Jellify(wanted) => {
                     let job = JellifyJob::start(*wanted, wake.clone());
                     ui.set_work(Work::Running(job.progress()));
                     self.job = Some(job);
                 }
-                Wish::StopJellifying => {
+                FileRequest::StopJellifying => {
                     ui.set_work(Work::Idle);
                     self.job = None;
                 }
-                Wish::Quit => granted.quit = true,
-                Wish::Recover => {
-                    granted.commands.extend(self.recover());
+                FileRequest::Quit => outcome.quit = true,
+                FileRequest::Recover => {
+                    outcome.commands.extend(self.recover());
                     ui.found = None;
                 }
-                Wish::DiscardFound => {
+                FileRequest::DiscardFound => {
                     self.take_found().into_iter().for_each(Found::discard);
                     self.offer(ui);
                 }
-                Wish::ForgetRecent => {
+                FileRequest::ForgetRecent => {
                     self.recent.forget();
                     ui.recent.clear();
                 }
             }
         }
-        granted
+        outcome
     }
 
-    fn look_after_job(&mut self, ui: &mut FilesState) {
+    fn poll_job(&mut self, ui: &mut FilesState) {
         let Some(job) = &self.job else { return };
         match job.outcome() {
             Outcome::Waiting => return,

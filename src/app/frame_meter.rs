@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use super::pace::Drawn;
+use super::frame_pacer::FrameTiming;
 
 /// The time over which the numbers are averaged.
 const WINDOW: Duration = Duration::from_secs(1);
@@ -24,12 +24,12 @@ pub struct DrawingCost {
 /// Counts frames.
 #[derive(Clone, Debug, Default)]
 pub struct FrameMeter {
-    frames: VecDeque<Drawn>,
+    frames: VecDeque<FrameTiming>,
 }
 
 impl FrameMeter {
     /// Counts a drawn frame.
-    pub fn note(&mut self, frame: Drawn) {
+    pub fn note(&mut self, frame: FrameTiming) {
         self.frames.push_back(frame);
         while self.frames.front().is_some_and(|first| frame.end - first.begin > WINDOW) {
             self.frames.pop_front();
@@ -63,7 +63,7 @@ mod tests {
         let at = |ms| start + Duration::from_millis(ms);
         for frame in 0..100 {
             let (begin, end, work) = (at(frame * 40), at(frame * 40 + 10), Duration::from_millis(5));
-            meter.note(Drawn { begin, end, work });
+            meter.note(FrameTiming { begin, end, work });
         }
         let cost = meter.cost(at(99 * 40 + 10), 0.7);
         assert!((cost.frames_per_sec - 25.0).abs() <= 1.0, "{cost:?}");

@@ -49,7 +49,7 @@ pub fn can_be_held(scene: &Scene, target: Target) -> bool {
 }
 
 /// A body or obstacle as the picture names it; `None` if it is hidden.
-pub fn place(scene: &Scene, target: Target) -> Option<Selected> {
+pub fn selected(scene: &Scene, target: Target) -> Option<Selected> {
     match target {
         Target::Body(id) => {
             scene.bodies.get(id.0).filter(|body| !body.hidden)?;
@@ -64,7 +64,7 @@ pub fn place(scene: &Scene, target: Target) -> Option<Selected> {
 
 /// The box around a body or obstacle in the picture, m; `None` if it is hidden.
 pub fn bounds(scene: &Scene, draw_list: &DrawList, target: Target) -> Option<Aabb<f32>> {
-    match place(scene, target)? {
+    match selected(scene, target)? {
         Selected::Skin(place) => {
             let skin = &draw_list.skins.get(place)?.skin;
             Some(Aabb::around(skin.vertices().iter().map(|vertex| vertex.place(&draw_list.particles))))
@@ -83,21 +83,21 @@ pub fn value_at(draw_list: &DrawList, hit: &Hit) -> Option<f32> {
 /// What the pointer holds.
 #[derive(Clone, Debug, Default)]
 pub struct Hand {
-    held: Option<Held>,
+    held: Option<ThingDrag>,
 }
 
 /// A held thing, and the plane across the line of sight in which it is moved.
 #[derive(Clone, Debug)]
-struct Held {
-    what: Grip,
+struct ThingDrag {
+    thing: HeldThing,
     point: Vec3,
     normal: Vec3,
     /// Where the pointer wants the held point to be, m.
-    to: Vec3,
+    pointer_target: Vec3,
 }
 
 #[derive(Clone, Debug)]
-enum Grip {
+enum HeldThing {
     Jelly { body: BodyId, weights: Vec<(u32, f32)> },
     Obstacle { obstacle: ObstacleId, center_from_point: Vec3 },
 }
@@ -106,16 +106,16 @@ impl Hand {
     /// Takes hold of the thing under a line of sight. `forward` is the direction in which the camera looks.
     pub fn take(&mut self, scene: &Scene, draw_list: &DrawList, ray: &Ray, forward: Vec3) -> Option<Target> {
         let (target, hit) = target(scene, draw_list, ray)?;
-        let what = match (target, hit.what) {
-            (Target::Body(body), Thing::Skin { weights, .. }) => Grip::Jelly { body, weights },
+        let thing = match (target, hit.what) {
+            (Target::Body(body), Thing::Skin { weights, .. }) => HeldThing::Jelly { body, weights },
             (Target::Obstacle(obstacle), _) => {
                 let held = scene.obstacles.get(obstacle.0).filter(|_| can_be_held(scene, target))?;
                 let center = glam::DVec3::from(held.shape.center()).as_vec3();
-                Grip::Obstacle { obstacle, center_from_point: center - hit.point }
+                HeldThing::Obstacle { obstacle, center_from_point: center - hit.point }
             }
             (Target::Body(_), Thing::Solid(_)) => return None,
         };
-        self.held = Some(Held { what, point: hit.point, normal: forward, to: hit.point });
+        self.held = Some(ThingDrag { thing, point: hit.point, normal: forward, pointer_target: hit.point });
         Some(target)
     }
 
@@ -127,23 +127,23 @@ impl Hand {
     /// The point of the jelly that is pulled, and its target, m; `None` if no jelly is held.
     pub fn pulled(&self, draw_list: &DrawList) -> Option<[Vec3; 2]> {
         let held = self.held.as_ref()?;
-        let Grip::Jelly { weights, .. } = &held.what else { return None };
+        let HeldThing::Jelly { weights, .. } = &held.thing else { return None };
         let place = |particle: u32| draw_list.particles.get(particle as usize).map(|at| Vec3::from(*at));
         let terms = weights.iter().map(|&(particle, weight)| Some(place(particle)? * weight));
-        Some([terms.sum::<Option<Vec3>>()?, held.to])
+        Some([terms.sum::<Option<Vec3>>()?, held.pointer_target])
     }
 
     /// Moves the held thing to another line of sight.
     pub fn drag(&mut self, scene: &Scene, ray: &Ray) -> Option<Command> {
         let held = self.held.as_mut()?;
         let to = ray.at(ray.hit_plane(held.point, held.normal)?);
-        held.to = to;
-        match &held.what {
-            Grip::Jelly { body, weights } => {
+        held.pointer_target = to;
+        match &held.thing {
+            HeldThing::Jelly { body, weights } => {
                 let pull = Pull { body: *body, weights: weights.clone(), target: to.to_array() };
                 Some(Command::Grab(Some(pull)))
             }
-            Grip::Obstacle { obstacle, center_from_point } => {
+            HeldThing::Obstacle { obstacle, center_from_point } => {
                 let old = scene.obstacles.get(obstacle.0)?;
                 let mut moved = old.clone();
                 *moved.shape.center_mut() = (to + *center_from_point).as_dvec3().to_array();
@@ -154,9 +154,9 @@ impl Hand {
 
     /// Lets go. Returns the command for the session, if anything was held.
     pub fn release(&mut self) -> Option<Command> {
-        self.held.take().map(|held| match held.what {
-            Grip::Jelly { .. } => Command::Grab(None),
-            Grip::Obstacle { .. } => Command::EndEdit,
+        self.held.take().map(|held| match held.thing {
+            HeldThing::Jelly { .. } => Command::Grab(None),
+            HeldThing::Obstacle { .. } => Command::EndEdit,
         })
     }
 }
@@ -254,8 +254,8 @@ mod tests {
         scene.obstacles[0].hidden = true;
         let mut session = Session::new(scene.clone(), PathBuf::new(), String::new()).expect("it resolves");
         let (found, _) = target(&scene, &session.draw_list(), &from_the_front(1.5, 0.4)).expect("the ball");
-        assert_eq!(place(&scene, found), Some(Selected::Solid(0)), "the first that is drawn");
-        assert_eq!(place(&scene, Target::Obstacle(ObstacleId(0))), None, "the hidden one has no outline");
+        assert_eq!(selected(&scene, found), Some(Selected::Solid(0)), "the first that is drawn");
+        assert_eq!(selected(&scene, Target::Obstacle(ObstacleId(0))), None, "the hidden one has no outline");
         assert_eq!(found, Target::Obstacle(ObstacleId(1)), "the second obstacle, though the first is not drawn");
     }
 

@@ -14,7 +14,7 @@ use crate::view::{Camera, Overlay};
 
 /// How the view is seen: the camera, the view's size in points, and the pointer from its upper left corner in points.
 #[derive(Clone, Copy, Debug)]
-pub struct Sight {
+pub struct PointerView {
     /// The camera.
     pub camera: Camera,
     /// Width and height of the view, points.
@@ -45,37 +45,37 @@ impl<'a> Chosen<'a> {
 #[derive(Clone, Debug, Default)]
 pub struct Handles {
     hot: Option<Handle>,
-    held: Option<Held>,
+    held: Option<HandleDrag>,
 }
 
 /// A handle that is dragged, and the state at the beginning of the drag.
 #[derive(Clone, Debug)]
-struct Held {
+struct HandleDrag {
     id: ObstacleId,
     start: Obstacle,
     /// The rotation that the obstacle's own motion had given it.
     turned: DMat3,
     gizmo: Gizmo,
     handle: Handle,
-    from: Sight,
+    from: PointerView,
 }
 
 impl Handles {
     /// Notes that the pointer has moved. Returns whether another handle than before is highlighted.
-    pub fn hover(&mut self, chosen: Chosen<'_>, sight: &Sight) -> bool {
+    pub fn hover(&mut self, chosen: Chosen<'_>, pointer_view: &PointerView) -> bool {
         if self.held.is_some() {
             return false;
         }
-        let hot = handle_at(chosen, sight).map(|(_, _, handle)| handle);
+        let hot = handle_at(chosen, pointer_view).map(|(_, _, handle)| handle);
         std::mem::replace(&mut self.hot, hot) != hot
     }
 
     /// Takes hold of the handle under the pointer. Returns whether there is one.
-    pub fn take(&mut self, chosen: Chosen<'_>, sight: &Sight) -> bool {
-        self.held = handle_at(chosen, sight).map(|(id, gizmo, handle)| {
+    pub fn take(&mut self, chosen: Chosen<'_>, pointer_view: &PointerView) -> bool {
+        self.held = handle_at(chosen, pointer_view).map(|(id, gizmo, handle)| {
             let start = chosen.scene.obstacles[id.0].clone();
             let (_, turned) = start.moved(chosen.secs);
-            Held { id, start, turned, gizmo, handle, from: *sight }
+            HandleDrag { id, start, turned, gizmo, handle, from: *pointer_view }
         });
         self.hot = self.held.as_ref().map(|held| held.handle).or(self.hot);
         self.held.is_some()
@@ -88,7 +88,7 @@ impl Handles {
 
     /// Drags the held handle to another place, points from the view's upper left corner.
     pub fn drag(&self, to: Vec2) -> Option<Command> {
-        let Held { id, start, turned, gizmo, handle, from } = self.held.as_ref()?;
+        let HandleDrag { id, start, turned, gizmo, handle, from } = self.held.as_ref()?;
         let drag = gizmo.drag(&from.camera, from.size, *handle, from.pointer, to)?;
         let obstacle = Obstacle { shape: dragged(start.shape.clone(), turned, drag), ..start.clone() };
         Some(Command::Drag(Edit::Obstacle(*id, Box::new(obstacle))))
@@ -105,21 +105,21 @@ impl Handles {
     }
 
     /// Draws the handles of the chosen obstacle.
-    pub fn add_to(&self, tools: &mut Overlay, chosen: Chosen<'_>, sight: &Sight, colors: &OverlayColors) {
+    pub fn add_to(&self, tools: &mut Overlay, chosen: Chosen<'_>, pointer_view: &PointerView, colors: &OverlayColors) {
         if let Some((_, gizmo)) = gizmo_of(chosen) {
-            gizmo.add_to(tools, &sight.camera, sight.size, self.hot, colors);
+            gizmo.add_to(tools, &pointer_view.camera, pointer_view.size, self.hot, colors);
         }
     }
 }
 
 /// Whether a handle lies under the pointer.
-pub fn is_on_handle(chosen: Chosen<'_>, sight: &Sight) -> bool {
-    handle_at(chosen, sight).is_some()
+pub fn is_on_handle(chosen: Chosen<'_>, pointer_view: &PointerView) -> bool {
+    handle_at(chosen, pointer_view).is_some()
 }
 
-fn handle_at(chosen: Chosen<'_>, sight: &Sight) -> Option<(ObstacleId, Gizmo, Handle)> {
+fn handle_at(chosen: Chosen<'_>, pointer_view: &PointerView) -> Option<(ObstacleId, Gizmo, Handle)> {
     let (id, gizmo) = gizmo_of(chosen)?;
-    let handle = gizmo.hit(&sight.camera, sight.size, sight.pointer)?;
+    let handle = gizmo.hit(&pointer_view.camera, pointer_view.size, pointer_view.pointer)?;
     Some((id, gizmo, handle))
 }
 
@@ -170,25 +170,26 @@ mod tests {
     }
 
     /// From the front, a little from above.
-    fn sight(pointer: Vec2) -> Sight {
+    fn pointer_view(pointer: Vec2) -> PointerView {
         let target = Vec3::new(0.0, 0.3, 0.0);
         let camera = Camera { eye: target + Vec3::new(1.0, 2.0, 8.0), target, up: Vec3::Y, fov_rad: 0.7 };
-        Sight { camera, size: SIZE, pointer }
+        PointerView { camera, size: SIZE, pointer }
     }
 
     /// The first pixel on a line across the view with a handle of the wanted kind.
-    fn find(chosen: Option<Target>, wanted: impl Fn(Handle) -> bool) -> Sight {
+    fn find(chosen: Option<Target>, wanted: impl Fn(Handle) -> bool) -> PointerView {
         let pixels = (0..600).flat_map(|y| (0..800).step_by(3).map(move |x| Vec2::new(x as f32, y as f32)));
-        let mut sights = pixels.map(sight);
-        let found = sights.find(|sight| handle_at(of(&scene(), chosen), sight).is_some_and(|(_, _, h)| wanted(h)));
+        let mut views = pixels.map(pointer_view);
+        let found =
+            views.find(|pointer_view| handle_at(of(&scene(), chosen), pointer_view).is_some_and(|(_, _, h)| wanted(h)));
         found.expect("there is such a handle in the view")
     }
 
     fn drag(chosen: Option<Target>, wanted: impl Fn(Handle) -> bool, way: Vec2) -> ObstacleShape {
         let mut handles = Handles::default();
-        let sight = find(chosen, wanted);
-        assert!(handles.take(of(&scene(), chosen), &sight), "there is a handle under the pointer");
-        let Some(Command::Drag(Edit::Obstacle(_, moved))) = handles.drag(sight.pointer + way) else {
+        let pointer_view = find(chosen, wanted);
+        assert!(handles.take(of(&scene(), chosen), &pointer_view), "there is a handle under the pointer");
+        let Some(Command::Drag(Edit::Obstacle(_, moved))) = handles.drag(pointer_view.pointer + way) else {
             panic!("dragging it changes the obstacle")
         };
         assert!(matches!(handles.release(), Some(Command::EndEdit)) && !handles.holds(), "and is one change");

@@ -11,13 +11,13 @@
 
 pub mod canvas;
 pub mod frame_meter;
+pub mod frame_pacer;
 pub mod hand;
 pub mod handles;
 pub mod input;
-pub mod pace;
-pub mod picture_rule;
 pub mod preferences;
 pub mod recovery;
+pub mod redraw_policy;
 pub mod theme;
 pub mod ui;
 pub mod worker;
@@ -28,7 +28,7 @@ mod files;
 mod jellify_job;
 mod kept_file;
 mod native_dialog;
-mod processors;
+mod processor_meter;
 mod recent;
 mod sentence;
 mod shell;

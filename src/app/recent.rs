@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::kept_file::KeptFile;
 
 /// The number of files remembered.
-const KEPT: usize = 10;
+const MAX_RECENT_FILES: usize = 10;
 
 /// The list, kept in a file.
 #[derive(Debug)]
@@ -29,7 +29,7 @@ impl Recent {
         let mut paths = self.paths();
         paths.retain(|known| known != path);
         paths.insert(0, path.to_owned());
-        paths.truncate(KEPT);
+        paths.truncate(MAX_RECENT_FILES);
         self.file.write(&paths);
         paths
     }
@@ -54,7 +54,7 @@ mod tests {
         }
         assert_eq!(recent.paths(), [PathBuf::from("/a.ron"), "/b.ron".into()]);
         (0..20).for_each(|index| drop(recent.add(Path::new(&format!("/{index}.ron")))));
-        assert_eq!(recent.paths().len(), KEPT, "no more than a menu holds");
+        assert_eq!(recent.paths().len(), MAX_RECENT_FILES, "no more than a menu holds");
         recent.forget();
         assert_eq!(recent.paths().len(), 0, "forgotten");
     }

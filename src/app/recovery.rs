@@ -31,7 +31,7 @@ const MARK: &str = "// draft ";
 /// A larger file is no draft.
 const MAX_BYTES: u64 = 128 << 20;
 /// Names tried before drafts are given up: programs in other containers may have the same process number.
-const NAMES: u32 = 100;
+const MAX_NAME_ATTEMPTS: u32 = 100;
 
 /// An unsaved scene.
 #[derive(Clone, Debug)]
@@ -258,7 +258,7 @@ fn read(draft: &Path) -> Result<(Header, Scene), Box<dyn std::error::Error>> {
 /// Finds a name under which no living or dead program has left a draft, and takes its lock.
 fn own_name(folder: &Path) -> io::Result<(File, PathBuf)> {
     let pid = std::process::id();
-    for attempt in 0..NAMES {
+    for attempt in 0..MAX_NAME_ATTEMPTS {
         let name = if attempt == 0 { format!("{pid}.ron") } else { format!("{pid}-{attempt}.ron") };
         let draft = folder.join(name);
         let path = draft.with_extension("lock");

@@ -20,19 +20,19 @@ use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::window::Window;
 
 use self::drawing::Drawing;
-use super::background_job::{BackgroundJob, Beside};
+use super::background_job::{BackgroundJob, JobControl};
 use super::canvas::{Canvas, CanvasError};
 use super::files::Files;
+use super::frame_pacer::Reason;
 use super::hand::{Hand, Target};
 use super::handles::Handles;
 use super::input::{self, Action, Input, ViewRect};
-use super::pace::Reason;
 use super::preferences::PreferencesFile;
 use super::sentence::sentence;
 use super::ui::files::FileAction;
 use super::ui::{self, Framing, UiState};
 use super::wake::Wake;
-use super::worker::{Ended, Snapshot, Worker};
+use super::worker::{Snapshot, Worker, WorkerError};
 use super::{kept_file, theme};
 use crate::extract;
 use crate::scene::{ColorBy, Scene, presets};
@@ -60,7 +60,7 @@ pub enum ShellError {
     Canvas(#[from] CanvasError),
     /// The first scene cannot be simulated.
     #[error(transparent)]
-    Start(Ended),
+    Start(WorkerError),
 }
 
 /// The open window.
@@ -112,7 +112,7 @@ impl Shell {
         let folder = kept_file::state_folder();
         let preferences = PreferencesFile::open(folder.as_deref());
         let mut ui = UiState::new(presets::presets());
-        ui.arrange(preferences.preferences());
+        ui.apply_preferences(preferences.preferences());
         let (context, egui) = interface(event_loop, &window, &canvas, proxy.clone());
         context.set_zoom_factor(preferences.preferences().zoom);
         window.set_visible(true);
@@ -196,7 +196,7 @@ impl Shell {
                 self.files.answer(&mut self.ui.files);
                 self.error_job.answer(&mut self.ui.error_panel);
                 self.stability_job.answer(&mut self.ui.stability_panel);
-                self.modes_job.answer(&mut self.ui.modes_panel.asked);
+                self.modes_job.answer(&mut self.ui.modes_panel.job);
                 self.answer_awaited_modes();
                 self.drawing.ask_panels();
             }
@@ -237,10 +237,10 @@ impl Shell {
             self.ask_for_snapshot(answered);
         }
         self.ask_for_long_work();
-        match self.worker.take_ended() {
-            Some(ended @ Ended::NotStarted(_)) if self.snapshot.is_none() => Err(ShellError::Start(ended)),
-            Some(ended) => {
-                self.failure = sentence(&ended);
+        match self.worker.take_error() {
+            Some(error @ WorkerError::NotStarted(_)) if self.snapshot.is_none() => Err(ShellError::Start(error)),
+            Some(error) => {
+                self.failure = sentence(&error);
                 self.drawing.ask_panels();
                 if let Some(snapshot) = &mut self.snapshot {
                     snapshot.status.playing = false;
@@ -301,7 +301,7 @@ impl Shell {
         }
     }
 
-    fn grant_wishes(&mut self, event_loop: &ActiveEventLoop) {
+    fn handle_requests(&mut self, event_loop: &ActiveEventLoop) {
         let proxy = self.proxy.clone();
         let wake = move || {
             if proxy.send_event(Wake::Dialog).is_err() {
@@ -314,28 +314,29 @@ impl Shell {
         };
         let curve = || {
             let (scene, base_dir) = open()?;
-            Some(move |beside: Beside<'_>| error_curve(&scene, &base_dir, beside.progress, beside.pause))
+            Some(move |control: JobControl<'_>| error_curve(&scene, &base_dir, control.progress, control.pause))
         };
-        self.error_job.grant(&mut self.ui.error_panel, curve, wake.clone());
+        self.error_job.handle_request(&mut self.ui.error_panel, curve, wake.clone());
         let map = || {
             let (scene, base_dir) = open()?;
             let shown = self.snapshot.as_ref()?.status.stability.as_ref()?;
             let family = shown.plane.as_ref().and_then(PlaneShown::family);
             let of = MapOf { body: shown.of, family };
-            Some(move |beside: Beside<'_>| stability_map(&scene, &base_dir, of, beside.progress, beside.pause))
+            Some(move |control: JobControl<'_>| stability_map(&scene, &base_dir, of, control.progress, control.pause))
         };
-        self.stability_job.grant(&mut self.ui.stability_panel, map, wake.clone());
+        self.stability_job.handle_request(&mut self.ui.stability_panel, map, wake.clone());
         let body = self.ui.body_of_modes();
         let modes = || {
             let (scene, base_dir) = open()?;
-            let find = move |beside: Beside<'_>| body_modes(&scene, &base_dir, body, beside.progress, beside.pause);
-            Some(move |beside: Beside<'_>| find(beside).map(Arc::new))
+            let find =
+                move |control: JobControl<'_>| body_modes(&scene, &base_dir, body, control.progress, control.pause);
+            Some(move |control: JobControl<'_>| find(control).map(Arc::new))
         };
-        self.modes_job.grant(&mut self.ui.modes_panel.asked, modes, wake.clone());
+        self.modes_job.handle_request(&mut self.ui.modes_panel.job, modes, wake.clone());
         self.find_awaited_modes(wake.clone());
-        let granted = self.files.grant(&mut self.ui.files, wake);
-        granted.commands.into_iter().for_each(|command| self.send(command));
-        if granted.quit {
+        let outcome = self.files.handle_requests(&mut self.ui.files, wake);
+        outcome.commands.into_iter().for_each(|command| self.send(command));
+        if outcome.quit {
             self.close(event_loop);
         }
     }

@@ -2,7 +2,7 @@
 //! (`publish`). The window never waits for a step, however expensive. A sandbox that is paused or at rest publishes nothing
 //! until a command arrives. Knows nothing of windows: whoever starts a worker passes the function that wakes the receiver.
 
-mod awaited;
+mod pending_work;
 mod publish;
 
 use std::any::Any;
@@ -12,9 +12,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-use awaited::Awaited;
-use publish::{Answers, Publisher, Slot, Time};
-pub use publish::{Ended, Observed, Snapshot};
+use pending_work::PendingWork;
+use publish::{Answers, Publisher, Slot, TimeFlow};
+pub use publish::{Observed, Snapshot, WorkerError};
 
 use super::sentence::sentence;
 use crate::math::FRAME;
@@ -46,7 +46,7 @@ impl Sandbox for Session {
             return self.handle_awaited(command, progress);
         }
         if let Some(opened) = Opened::by(command)? {
-            *self = awaited::open(opened, progress)?;
+            *self = pending_work::open(opened, progress)?;
         }
         Ok(())
     }
@@ -77,8 +77,8 @@ pub struct Worker {
     stop: Arc<AtomicBool>,
     hold: Arc<StepGate>,
     slot: Arc<Slot>,
-    opening: Arc<Awaited>,
-    making: Arc<Awaited>,
+    opening: Arc<PendingWork>,
+    making: Arc<PendingWork>,
 }
 
 #[derive(Debug)]
@@ -121,7 +121,7 @@ impl Worker {
         let (orders, received) = channel();
         let (slot, stop, hold) =
             (Arc::new(Slot::default()), Arc::new(AtomicBool::new(false)), Arc::new(StepGate::default()));
-        let [opening, making] = [(); 2].map(|()| Arc::new(Awaited::default()));
+        let [opening, making] = [(); 2].map(|()| Arc::new(PendingWork::default()));
         let (published, stopped, held) = (Arc::clone(&slot), Arc::clone(&stop), Arc::clone(&hold));
         let (opens, makes, first) = (Arc::clone(&opening), Arc::clone(&making), opening.begin());
         std::thread::spawn(move || {
@@ -135,14 +135,15 @@ impl Worker {
                             sandbox.begin(&stopped, &held);
                             let (orders, publisher) = (&received, &mut publisher);
                             let (stop, hold, opening, making) = (&stopped, &held, &*opens, &*makes);
-                            let (answers, last) = (Answers::default(), Instant::now());
-                            Loop { sandbox, orders, publisher, stop, hold, opening, making, answers, last }.run();
+                            let (answers, last_advance) = (Answers::default(), Instant::now());
+                            Loop { sandbox, orders, publisher, stop, hold, opening, making, answers, last_advance }
+                                .run();
                         }
-                        Err(error) => publisher.end(Ended::NotStarted(error)),
+                        Err(error) => publisher.publish_error(WorkerError::NotStarted(error)),
                     }
                 }));
                 if let Err(panic) = outcome {
-                    publisher.end(Ended::Panicked(panic_text(panic.as_ref())));
+                    publisher.publish_error(WorkerError::Panicked(panic_text(panic.as_ref())));
                 }
             });
         });
@@ -151,7 +152,7 @@ impl Worker {
 
     /// Sends a command. A worker that has ended ignores it.
     pub fn send(&self, command: Command) {
-        self.order(if command.replaces_scene() {
+        self.send_order(if command.replaces_scene() {
             // The last command to open a scene, and bodies being made, are no longer wanted.
             self.opening.cancel();
             self.making.cancel();
@@ -163,22 +164,22 @@ impl Worker {
 
     /// The progress of opening a scene, if that takes long.
     pub fn opening(&self) -> Option<Arc<Progress>> {
-        self.opening.told()
+        self.opening.reported()
     }
 
     /// The progress of making bodies, if that takes long.
     pub fn making(&self) -> Option<Arc<Progress>> {
-        self.making.told()
+        self.making.reported()
     }
 
     /// When one of these two will count as long, if it has not ended by then.
-    pub fn told_at(&self) -> Option<Instant> {
-        [&self.opening, &self.making].into_iter().filter_map(|awaited| awaited.told_at()).min()
+    pub fn report_time(&self) -> Option<Instant> {
+        [&self.opening, &self.making].into_iter().filter_map(|pending_work| pending_work.report_time()).min()
     }
 
     /// Sets whether the picture is visible: an unseen sandbox keeps its time and publishes nothing.
     pub fn set_visible(&self, visible: bool) {
-        self.order(Order::Visible(visible));
+        self.send_order(Order::Visible(visible));
     }
 
     /// Leaves the processors to a frame that a person waits for: the worker takes no step until [`Worker::let_go`].
@@ -192,14 +193,14 @@ impl Worker {
     }
 
     /// The processor time that the thread and its helpers in steps have used, up to the last few steps.
-    pub fn spent(&self) -> Duration {
-        self.slot.spent()
+    pub fn processor_time(&self) -> Duration {
+        self.slot.processor_time()
     }
 
     /// Sets how often the window draws, which is as often as it needs snapshots, and the share of the processors that this
     /// takes.
     pub fn set_drawing(&self, interval: Duration, share: f64) {
-        self.order(Order::Drawing { interval, share });
+        self.send_order(Order::Drawing { interval, share });
     }
 
     /// Takes the newest snapshot, unless it was taken before.
@@ -208,11 +209,11 @@ impl Worker {
     }
 
     /// Takes the reason why the worker stopped by itself. Returned once.
-    pub fn take_ended(&self) -> Option<Ended> {
-        self.slot.take_ended()
+    pub fn take_error(&self) -> Option<WorkerError> {
+        self.slot.take_error()
     }
 
-    fn order(&self, order: Order) {
+    fn send_order(&self, order: Order) {
         let urgent = match &order {
             Order::Do(command) | Order::Open(command, _) => command.waits_for_no_substep(),
             Order::Visible(_) | Order::Drawing { .. } => false,
@@ -240,11 +241,11 @@ struct Loop<'a, S, W> {
     publisher: &'a mut Publisher<W>,
     stop: &'a Arc<AtomicBool>,
     hold: &'a Arc<StepGate>,
-    opening: &'a Awaited,
-    making: &'a Awaited,
+    opening: &'a PendingWork,
+    making: &'a PendingWork,
     answers: Answers,
     /// When time was last advanced; the next time is a frame later.
-    last: Instant,
+    last_advance: Instant,
 }
 
 impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
@@ -252,16 +253,16 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
         self.publisher.publish(&mut self.sandbox, &self.answers);
         loop {
             let worked = self.sandbox.is_at_work();
-            let Ok(()) = self.obey(worked) else { return };
+            let Ok(()) = self.handle_orders(worked) else { return };
             let now = Instant::now();
             if worked && self.sandbox.is_at_work() {
-                self.sandbox.advance(now - self.last, FRAME);
+                self.sandbox.advance(now - self.last_advance, FRAME);
             }
-            self.last = now;
+            self.last_advance = now;
             let time = match (worked, self.sandbox.is_at_work()) {
-                (false, _) => Time::Stands,
-                (true, false) => Time::Stops,
-                (true, true) => Time::Runs,
+                (false, _) => TimeFlow::Stands,
+                (true, false) => TimeFlow::Stops,
+                (true, true) => TimeFlow::Runs,
             };
             self.publisher.publish_if_due(&mut self.sandbox, time, &self.answers);
         }
@@ -269,9 +270,9 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
 
     /// Waits until a step or a snapshot is due or an order arrives, and follows all orders there are. An error means that
     /// the window is gone.
-    fn obey(&mut self, works: bool) -> Result<(), WindowGone> {
+    fn handle_orders(&mut self, works: bool) -> Result<(), WindowGone> {
         let first = if works {
-            let step = FRAME.saturating_sub(self.last.elapsed());
+            let step = FRAME.saturating_sub(self.last_advance.elapsed());
             let due = self.publisher.due_in().map_or(step, |snapshot| step.min(snapshot));
             match self.orders.recv_timeout(due) {
                 Ok(order) => order,
@@ -295,14 +296,14 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
         let mut orders = orders.into_iter().peekable();
         while let Some(order) = orders.next() {
             if !orders.peek().is_some_and(|next| next.supersedes(&order)) {
-                self.follow(order);
+                self.handle_order(order);
             }
         }
         if gone { Err(WindowGone) } else { Ok(()) }
     }
 
     /// Carries out a command, with its progress visible if it makes bodies.
-    fn make(&mut self, command: Command) -> Result<(), SessionError> {
+    fn run_command(&mut self, command: Command) -> Result<(), SessionError> {
         if !command.makes_bodies() {
             return self.sandbox.handle(command, &Arc::default());
         }
@@ -313,7 +314,7 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
         outcome
     }
 
-    fn follow(&mut self, order: Order) {
+    fn handle_order(&mut self, order: Order) {
         match order {
             Order::Visible(visible) => self.publisher.set_visible(visible),
             Order::Drawing { interval, share } => {
@@ -323,7 +324,7 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
             Order::Do(command) => {
                 self.publisher.note_change();
                 let follows = command.follows_others();
-                let outcome = self.make(command);
+                let outcome = self.run_command(command);
                 self.answers.count += 1;
                 if outcome.is_err() || !follows {
                     self.answers.failure = outcome.err().map(|error| sentence(&error));

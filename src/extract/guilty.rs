@@ -10,7 +10,7 @@ use crate::view::style::Tint;
 
 /// Links are at fault if their rate of strain is at least this fraction of the largest. An unstable mode grows fastest where
 /// the lattice is most confined, and falls off from there.
-const SHARE: f32 = 0.25;
+const MIN_RATE_SHARE: f32 = 0.25;
 /// How much a body fades so that the links in it can be seen.
 const SEE_THROUGH: f32 = 0.7;
 
@@ -31,7 +31,7 @@ pub fn guilty_links(simulation: &Simulation<f32>, body: usize, families: &[Famil
         })
         .collect();
     let largest = rates.iter().map(|(_, rate)| *rate).fold(0.0, f32::max);
-    let is_guilty = |&&(_, rate): &&([u32; 2], f32)| largest > 0.0 && rate >= SHARE * largest;
+    let is_guilty = |&&(_, rate): &&([u32; 2], f32)| largest > 0.0 && rate >= MIN_RATE_SHARE * largest;
     rates.iter().filter(is_guilty).map(|(ends, _)| *ends).collect()
 }
 

@@ -14,14 +14,14 @@ use crate::view::overlay::CellFrames;
 use crate::view::{DrawList, Orbit, Overlay, SafeArea, Skin, SkinInstance, Style};
 
 /// sRGB, distinct for colour-blind people too (after Okabe and Ito): parts that are thinner than a cell, ...
-pub const THIN: [u8; 3] = [230, 159, 0];
+pub const THIN_COLOR: [u8; 3] = [230, 159, 0];
 /// ... parts that move as one with another part, ...
-pub const JOINED: [u8; 3] = [86, 130, 233];
+pub const JOINED_COLOR: [u8; 3] = [86, 130, 233];
 /// ... and parts that are both.
-pub const THIN_AND_JOINED: [u8; 3] = [204, 60, 120];
+pub const THIN_AND_JOINED_COLOR: [u8; 3] = [204, 60, 120];
 
 /// The colour of a surface that loses no detail, linear red, green, blue.
-const PLAIN: [f32; 3] = [0.55, 0.56, 0.58];
+const PLAIN_COLOR: [f32; 3] = [0.55, 0.56, 0.58];
 
 /// A model and its cells.
 #[derive(Clone, Debug)]
@@ -37,9 +37,9 @@ impl ModelPicture {
     pub fn new(lattice: &Lattice, lost: &LostDetail) -> Self {
         let tint = |lost: &Lost| match (lost.thin, lost.joined) {
             (false, false) => NO_TINT,
-            (true, false) => opaque(THIN),
-            (false, true) => opaque(JOINED),
-            (true, true) => opaque(THIN_AND_JOINED),
+            (true, false) => opaque(THIN_COLOR),
+            (false, true) => opaque(JOINED_COLOR),
+            (true, true) => opaque(THIN_AND_JOINED_COLOR),
         };
         let paint = Paint::new(Vec::new(), lost.lost.iter().map(tint).collect(), None);
         let skin = model_skin(lattice, &lost.pieces, paint.as_ref(), None, 0);
@@ -53,7 +53,7 @@ impl ModelPicture {
     }
 
     /// The orbit from which the whole model is seen in the same direction, in a picture of this width over height.
-    pub fn seen_whole(&self, mut orbit: Orbit, aspect: f32) -> Orbit {
+    pub fn framed(&self, mut orbit: Orbit, aspect: f32) -> Orbit {
         orbit.frame(self.bounds, SafeArea::whole(aspect));
         orbit
     }
@@ -67,7 +67,7 @@ impl ModelPicture {
         DrawList {
             camera: orbit.camera(),
             style,
-            skins: vec![SkinInstance { skin: Arc::clone(&self.skin), color: PLAIN }],
+            skins: vec![SkinInstance { skin: Arc::clone(&self.skin), color: PLAIN_COLOR }],
             particles: Arc::clone(&self.particles),
             painted: true,
             overlay,

@@ -19,17 +19,17 @@ use crate::view::{Overlay, Selected};
 /// How much a body fades when its inside is shown.
 const SEE_THROUGH: f32 = 0.8;
 /// How much of boxes shows behind other things.
-const HIDDEN_BOXES: f32 = 0.3;
+const BOX_HIDDEN_OPACITY: f32 = 0.3;
 /// How much of arrows shows behind other things: the body that is pushed hides most of them.
-const HIDDEN_ARROWS: f32 = 0.75;
+const ARROW_HIDDEN_OPACITY: f32 = 0.75;
 /// The length of the arrow for the force that carries one particle of a body at rest, in sizes of the body.
-const ARROW: f32 = 0.2;
+const WEIGHT_ARROW_LENGTH: f32 = 0.2;
 /// How much of pins shows behind other things.
-const HIDDEN_PINS: f32 = 0.3;
+const PIN_HIDDEN_OPACITY: f32 = 0.3;
 /// The longest arrow, in sizes of the body.
-const LONGEST_ARROW: f32 = 1.0;
+const MAX_ARROW_LENGTH: f32 = 1.0;
 /// The length of an arrow's head in lengths of the arrow, and at most in sizes of the body.
-const HEAD: [f32; 2] = [0.35, 0.05];
+const ARROW_HEAD_LENGTH: [f32; 2] = [0.35, 0.05];
 
 /// Index lists of the lattices that are drawn. Each is made once and kept as long as its lattice is drawn.
 #[derive(Debug, Default)]
@@ -115,7 +115,7 @@ fn pins(simulation: &Simulation<f32>, body: &BodyModel<f32>) -> Option<Points> {
     let held = own.iter().enumerate().filter(|(local, _)| body.is_pinned(*local));
     let places: Vec<[f32; 3]> = held.map(|(_, place)| place.to_array()).collect();
     let places = (!places.is_empty()).then(|| PointPlaces::Placed(Arc::new(places)))?;
-    Some(Points { places, tint: Tint::Pin, size: 8.0, hidden: HIDDEN_PINS })
+    Some(Points { places, tint: Tint::Pin, size: 8.0, hidden: PIN_HIDDEN_OPACITY })
 }
 
 /// The force per metre of arrow, N/m. The weight that one particle carries when the body rests on one face of the box around
@@ -125,7 +125,7 @@ pub fn newtons_per_metre(body: &BodyModel<f32>, gravity: Vec3) -> f32 {
     let gravity = if gravity == Vec3::ZERO { EARTH_GRAVITY as f32 } else { gravity.length() };
     let count = body.particles.len().max(1) as f32;
     let weight = body.particle_mass * count * gravity;
-    weight / libm::powf(count, 2.0 / 3.0) / (ARROW * body.size)
+    weight / libm::powf(count, 2.0 / 3.0) / (WEIGHT_ARROW_LENGTH * body.size)
 }
 
 /// A body of the scene as the draw list names it; `None` if it is hidden or does not exist.
@@ -143,7 +143,7 @@ pub fn selected_obstacle(obstacles: &[Obstacle], index: usize) -> Option<Selecte
 /// Draws a pull from the grabbed point to its target: a line that shows through everything, with a dot at either end.
 pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3) {
     let tint = Tint::Accent;
-    overlay.lines.push(placed(vec![Segment::plain(grabbed, target, 2.5)], tint, 0.7));
+    overlay.lines.push(placed_lines(vec![Segment::plain(grabbed, target, 2.5)], tint, 0.7));
     for (place, size) in [(grabbed, 9.0), (target, 6.0)] {
         let places = PointPlaces::Placed(Arc::new(vec![place.to_array()]));
         overlay.points.push(Points { places, tint, size, hidden: 0.7 });
@@ -153,7 +153,7 @@ pub fn add_grab(overlay: &mut Overlay, grabbed: Vec3, target: Vec3) {
 /// Draws the edges of a face under a brush; hidden parts show through.
 pub fn add_face(overlay: &mut Overlay, corners: [Vec3; 4]) {
     let edges = (0..4).map(|place| Segment::plain(corners[place], corners[(place + 1) % 4], 3.0)).collect();
-    overlay.lines.push(placed(edges, Tint::Accent, 0.5));
+    overlay.lines.push(placed_lines(edges, Tint::Accent, 0.5));
 }
 
 /// Marks the contacts of particles or mesh points with obstacles or other bodies, with the force on each as an arrow. The
@@ -175,17 +175,18 @@ fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>) {
         if force == Vec3::ZERO || !force.is_finite() {
             continue;
         }
-        let arrow = (force / newtons_per_metre(body, model.gravity)).clamp_length_max(LONGEST_ARROW * body.size);
+        let arrow = (force / newtons_per_metre(body, model.gravity)).clamp_length_max(MAX_ARROW_LENGTH * body.size);
         places.push(place.to_array());
-        let head = arrow.clamp_length_max((HEAD[0] * arrow.length()).min(HEAD[1] * body.size));
+        let head =
+            arrow.clamp_length_max((ARROW_HEAD_LENGTH[0] * arrow.length()).min(ARROW_HEAD_LENGTH[1] * body.size));
         let neck = place + arrow - head;
         arrows.push(Segment::plain(place, neck, 2.0));
         let head = Segment { widths: [8.0, 0.0], ..Segment::plain(neck, place + arrow, 0.0) };
         arrows.push(head);
     }
-    overlay.lines.push(placed(arrows, Tint::Contact, HIDDEN_ARROWS));
+    overlay.lines.push(placed_lines(arrows, Tint::Contact, ARROW_HIDDEN_OPACITY));
     let places = PointPlaces::Placed(Arc::new(places));
-    overlay.points.push(Points { places, tint: Tint::Contact, size: 4.5, hidden: HIDDEN_ARROWS });
+    overlay.points.push(Points { places, tint: Tint::Contact, size: 4.5, hidden: ARROW_HIDDEN_OPACITY });
 }
 
 /// The boxes around all bodies and around all obstacles. An obstacle's box is stronger if it overlaps that of a body: such
@@ -203,10 +204,13 @@ fn boxes(simulation: &Simulation<f32>) -> [Lines; 2] {
         let (opacity, width) = if meets { (1.0, 2.2) } else { (0.55, 1.2) };
         add_box(&mut of_obstacles, &obstacle.bounds, opacity, width);
     }
-    [placed(of_bodies, Tint::BodyBox, HIDDEN_BOXES), placed(of_obstacles, Tint::ObstacleBox, HIDDEN_BOXES)]
+    [
+        placed_lines(of_bodies, Tint::BodyBox, BOX_HIDDEN_OPACITY),
+        placed_lines(of_obstacles, Tint::ObstacleBox, BOX_HIDDEN_OPACITY),
+    ]
 }
 
-pub(super) fn placed(segments: Vec<Segment>, tint: Tint, hidden: f32) -> Lines {
+pub(super) fn placed_lines(segments: Vec<Segment>, tint: Tint, hidden: f32) -> Lines {
     Lines { ends: LineEnds::Placed(Arc::new(segments)), tint, opacity: 1.0, width: 1.0, hidden }
 }
 

@@ -108,7 +108,7 @@ fn arrows_of_a_cube_at_rest_carry_its_weight() {
     let up: f32 = segments(&overlay.lines[0]).iter().map(|arrow| arrow.ends[1][1] - arrow.ends[0][1]).sum();
     let shown = up * newtons_per_metre(body, Vec3::NEG_Y * 9.81);
     assert!((shown / weight - 1.0).abs() < 0.05, "{shown} N of {weight} N");
-    assert!((up / (9.0 * ARROW) - 1.0).abs() < 0.06, "nine particles, a fifth of a metre each: {up}");
+    assert!((up / (9.0 * WEIGHT_ARROW_LENGTH) - 1.0).abs() < 0.06, "nine particles, a fifth of a metre each: {up}");
 }
 
 #[test]

@@ -2,16 +2,16 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::overlay::{box_edges, placed};
+use super::overlay::{box_edges, placed_lines};
 use crate::geometry::Lattice;
 use crate::math::{Aabb, rotation};
 use crate::view::overlay::{Lines, Overlay, Segment};
 use crate::view::style::Tint;
 
 /// How much of it shows behind other things.
-const HIDDEN: f32 = 0.35;
+const HIDDEN_OPACITY: f32 = 0.35;
 /// How far a box reaches at most beyond the body at rest, in sizes of the body: a picture need not show all of it.
-const BEYOND: f64 = 0.25;
+const MAX_OVERHANG: f64 = 0.25;
 
 /// Draws the edges of a box from `min` to `max` (m, in the body's own coordinates), moved and turned as the body as a whole
 /// is now. `particles` are the present places of the body's particles. An empty box is not drawn.
@@ -29,14 +29,14 @@ fn own_box(lattice: &Lattice, particles: &[[f32; 3]], min: DVec3, max: DVec3) ->
     let moments = now().zip(rest()).map(|(now, rest)| outer(now - middle, rest - middle_at_rest));
     let turned = rotation::nearest(moments.fold(DMat3::ZERO, |sum, moment| sum + moment))?;
     let body = Aabb::<f64>::around(rest());
-    let beyond = DVec3::splat(BEYOND * (body.max - body.min).max_element());
+    let beyond = DVec3::splat(MAX_OVERHANG * (body.max - body.min).max_element());
     let [min, max] = [min, max].map(|corner| corner.clamp(body.min - beyond, body.max + beyond));
     if min.cmpgt(max).any() {
         return None;
     }
     let corners = Aabb::<f64> { min, max }.corners().map(|at| (middle + turned * (at - middle_at_rest)).as_vec3());
     let edges = box_edges().map(|[from, to]| Segment::plain(corners[from], corners[to], 2.0));
-    Some(placed(edges.collect(), Tint::Accent, HIDDEN))
+    Some(placed_lines(edges.collect(), Tint::Accent, HIDDEN_OPACITY))
 }
 
 #[cfg(test)]

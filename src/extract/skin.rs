@@ -15,7 +15,7 @@ const CREASE_DEG: f64 = 40.0;
 
 /// A vertex farther than this from its cell, in cells, is not carried: extrapolation would throw it about. The surface of a
 /// body whose cells were chosen by their centres lies up to a cell outside.
-const FARTHEST_CELLS: f64 = 1.5;
+const MAX_CELL_DISTANCE: f64 = 1.5;
 
 /// The neighbours of a particle within the outer faces of one direction, along the two axes of these faces.
 #[derive(Clone, Copy, Debug, Default)]
@@ -145,8 +145,8 @@ pub fn model_skin(
 ) -> Skin {
     let embedder = Embedder::new(lattice);
     let Some(embeddings) = embedder.embed_all(&mesh.positions) else { return Skin::default() };
-    let mut split = creased(mesh, &near_cells(mesh, &embeddings), paint, shading);
-    let textures = paint.and_then(|paint| split.by_texture(paint.textures()));
+    let mut split = split_at_creases(mesh, &near_cells(mesh, &embeddings), paint, shading);
+    let textures = paint.and_then(|paint| split.sort_by_texture(paint.textures()));
     let vertices = split
         .corners
         .iter()
@@ -166,7 +166,7 @@ pub fn model_skin(
 
 /// The triangles of a mesh without those that reach too far from any cell.
 fn near_cells(mesh: &TriMesh, embeddings: &[Embedding]) -> Vec<usize> {
-    let is_near = |vertex: &u32| embeddings[*vertex as usize].outside <= FARTHEST_CELLS;
+    let is_near = |vertex: &u32| embeddings[*vertex as usize].outside <= MAX_CELL_DISTANCE;
     (0..mesh.triangles.len()).filter(|&triangle| mesh.triangles[triangle].iter().all(is_near)).collect()
 }
 
@@ -205,7 +205,7 @@ struct Corner {
 
 impl CreasedMesh {
     /// Sorts the triangles by their pictures, those without any first.
-    fn by_texture(&mut self, textures: &[Texture]) -> Option<SkinTextures> {
+    fn sort_by_texture(&mut self, textures: &[Texture]) -> Option<SkinTextures> {
         let number = |triangle: usize| self.textures.get(triangle).copied().flatten();
         let mut order: Vec<usize> = (0..self.triangles.len()).collect();
         order.sort_by_key(|&triangle| number(triangle));
@@ -225,7 +225,7 @@ impl CreasedMesh {
     }
 }
 
-fn creased(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>, shading: Option<&Shading>) -> CreasedMesh {
+fn split_at_creases(mesh: &TriMesh, faces: &[usize], paint: Option<&Paint>, shading: Option<&Shading>) -> CreasedMesh {
     let corners_of = |face: &usize| &mesh.triangles[*face];
     let face_normals: Vec<DVec3> = faces.iter().map(|face| area_normal(mesh, corners_of(face))).collect();
     let points = welded(mesh);

@@ -8,10 +8,10 @@ use crate::geometry::Surface;
 use crate::view::{SolidCorner, SolidEdge, SolidMesh};
 
 /// The cosine of the angle below which faces meet smoothly.
-const SMOOTH: f64 = 0.8;
+const MIN_SMOOTH_COSINE: f64 = 0.8;
 
 /// How far apart the two sides of an open mesh are drawn, over its length: at one place each would shade the other.
-const SHEET: f32 = 0.004;
+const SHEET_THICKNESS: f32 = 0.004;
 
 /// Meshes that have been drawn, kept so that each is made once.
 #[derive(Debug, Default)]
@@ -49,7 +49,7 @@ fn mesh(surface: &Surface) -> SolidMesh {
         let own = normals[triangle as usize];
         let first = around.partition_point(|(other, _)| *other < vertex);
         let there = around[first..].iter().take_while(|(other, _)| *other == vertex);
-        let faces = there.map(|(_, face)| *face as usize).filter(|face| normals[*face].dot(own) > SMOOTH);
+        let faces = there.map(|(_, face)| *face as usize).filter(|face| normals[*face].dot(own) > MIN_SMOOTH_COSINE);
         let sum: DVec3 = faces.map(|face| normals[face] * area(triangles[face])).sum();
         sum.try_normalize().unwrap_or(own).as_vec3()
     };
@@ -58,7 +58,7 @@ fn mesh(surface: &Surface) -> SolidMesh {
         let corners = triangle.map(|vertex| SolidCorner { position: at(vertex), normal: normal(number, vertex) });
         mesh.corners.extend(corners);
         if !surface.is_closed() {
-            let behind = normals[number as usize].as_vec3() * -SHEET;
+            let behind = normals[number as usize].as_vec3() * -SHEET_THICKNESS;
             let [a, b, c] =
                 corners.map(|corner| SolidCorner { position: corner.position + behind, normal: -corner.normal });
             mesh.corners.extend([a, c, b]);

@@ -8,7 +8,7 @@ use crate::view::{DrawList, Legend, Light, Orbit, SafeArea};
 /// The number of round values beside a colour bar.
 const LEGEND_TICKS: usize = 4;
 /// Bodies no more than this many times their size above a floor will soon be on it.
-const HIGHEST_FALL: f32 = 10.0;
+const MAX_FALL_HEIGHT: f32 = 10.0;
 
 /// The orbit of a scene's camera.
 #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
@@ -29,7 +29,7 @@ pub fn first_orbit(camera: &CameraSettings, picture: &DrawList, area: SafeArea) 
     let mut orbit = orbit(camera);
     if camera.is_unchosen() {
         let (mut bounds, bodies, floor) = (picture.bounds(), picture.body_bounds(), picture.floor());
-        let is_soon_there = |floor: &f32| bodies.min.y - floor <= HIGHEST_FALL * bodies.size().max_element();
+        let is_soon_there = |floor: &f32| bodies.min.y - floor <= MAX_FALL_HEIGHT * bodies.size().max_element();
         if let Some(floor) = floor.filter(is_soon_there) {
             bounds.min.y = bounds.min.y.min(floor);
         }

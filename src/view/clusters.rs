@@ -33,7 +33,7 @@ struct Cluster {
     triangles: Range<usize>,
     particles: Range<usize>,
     /// The factor: the largest sum of |weights| of a corner. It is 1 for corners inside the cell, more for corners outside.
-    reach: f32,
+    box_scale: f32,
 }
 
 impl Clusters {
@@ -46,11 +46,11 @@ impl Clusters {
         for group in order.chunk_by(|&a, &b| carrier(a) == carrier(b)) {
             let corners = || group.iter().flat_map(|&triangle| triangles[triangle as usize]);
             let first = made.particles.len();
-            let mut reach = 1.0_f32;
+            let mut box_scale = 1.0_f32;
             let mut carriers: Vec<u32> = Vec::new();
             for vertex in corners().map(|corner| &vertices[corner as usize]) {
                 carriers.extend(vertex.carriers().map(|(particle, _)| particle));
-                reach = reach.max(vertex.position.iter().map(|weight| weight.abs()).sum());
+                box_scale = box_scale.max(vertex.position.iter().map(|weight| weight.abs()).sum());
             }
             carriers.sort_unstable();
             carriers.dedup();
@@ -60,7 +60,7 @@ impl Clusters {
             made.all.push(Cluster {
                 triangles: begin..made.triangles.len(),
                 particles: first..made.particles.len(),
-                reach,
+                box_scale,
             });
         }
         made
@@ -70,11 +70,15 @@ impl Clusters {
     ///
     /// # Panics
     /// When the skin names a particle that is not there.
-    pub(super) fn near<'a>(&'a self, particles: &'a [[f32; 3]], ray: &'a Ray) -> impl Iterator<Item = u32> + 'a {
+    pub(super) fn hit_candidates<'a>(
+        &'a self,
+        particles: &'a [[f32; 3]],
+        ray: &'a Ray,
+    ) -> impl Iterator<Item = u32> + 'a {
         let place = |&particle: &u32| Vec3::from(particles[particle as usize]);
         let meets = move |cluster: &&Cluster| {
             let around = Aabb::<f32>::around(self.particles[cluster.particles.clone()].iter().map(place));
-            let (middle, half) = (around.center(), around.size() * (0.5 * cluster.reach));
+            let (middle, half) = (around.center(), around.size() * (0.5 * cluster.box_scale));
             // The margin keeps rounding errors from losing a surface that is as flat as its box.
             let margin = Vec3::splat(1e-5 * (middle.abs() + half).max_element());
             ray.meets_box(&Aabb { min: middle - half - margin, max: middle + half + margin })
@@ -122,7 +126,7 @@ mod tests {
             let origin = Vec3::new(number(-6.0, 6.0), number(-6.0, 6.0), 6.0);
             let aim = Vec3::new(number(-2.0, 2.0), number(-2.0, 2.0), number(-2.0, 2.0));
             let ray = Ray { origin, direction: (aim - origin).normalize() };
-            let near: Vec<u32> = clusters.near(&particles, &ray).collect();
+            let near: Vec<u32> = clusters.hit_candidates(&particles, &ray).collect();
             for (number, triangle) in (0..).zip(&triangles) {
                 let corners = triangle.map(|corner| vertices[corner as usize].place(&particles));
                 if ray.hit_triangle(corners).is_some() {
@@ -150,9 +154,9 @@ mod tests {
         let triangles: Vec<[u32; 3]> = (0..side * side).map(|cell| [cell * 3, cell * 3 + 1, cell * 3 + 2]).collect();
         let clusters = Clusters::new(&vertices, &triangles);
         let down = Ray { origin: Vec3::new(20.3, 9.0, 20.4), direction: Vec3::NEG_Y };
-        assert_eq!(clusters.near(&particles, &down).count(), 1, "straight down: the one in the cell below");
+        assert_eq!(clusters.hit_candidates(&particles, &down).count(), 1, "straight down: the one in the cell below");
         let slanted = Ray { origin: Vec3::new(0.5, 9.0, 20.4), direction: Vec3::new(1.0, -0.4, 0.0).normalize() };
-        let looked_at = clusters.near(&particles, &slanted).count();
+        let looked_at = clusters.hit_candidates(&particles, &slanted).count();
         assert!((1..40).contains(&looked_at), "slanted: those along its way, of 1600: {looked_at}");
     }
 

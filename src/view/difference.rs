@@ -7,9 +7,9 @@ use glam::Vec3;
 use super::DrawList;
 
 /// A particle that moves by less than this many pixels counts as at rest.
-const UNSEEN_PIXELS: f32 = 0.01;
+const MOTION_TOLERANCE_PIXELS: f32 = 0.01;
 /// A scalar that changes by less than this fraction of the range keeps its colour.
-const UNSEEN_SHARE: f32 = 0.5 / 255.0;
+const SCALAR_TOLERANCE: f32 = 0.5 / 255.0;
 
 /// How a picture differs from another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl DrawList {
             return Change::Things;
         }
         let pixels = self.motion_since(other, height);
-        if pixels > UNSEEN_PIXELS || pixels.is_nan() {
+        if pixels > MOTION_TOLERANCE_PIXELS || pixels.is_nan() {
             Change::Motion { pixels }
         } else if self.is_recolored(other) {
             Change::Shade
@@ -79,7 +79,7 @@ impl DrawList {
     }
 
     fn is_recolored(&self, other: &Self) -> bool {
-        let limit = UNSEEN_SHARE * (self.color_range[1] - self.color_range[0]).abs();
+        let limit = SCALAR_TOLERANCE * (self.color_range[1] - self.color_range[0]).abs();
         let differ = |(a, b): (&f32, &f32)| (a - b).abs() > limit;
         let (Some(now), Some(before)) = (&self.scalars, &other.scalars) else { return false };
         let other_values = !Arc::ptr_eq(now, before) && now.iter().zip(before.iter()).any(differ);

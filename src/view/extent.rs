@@ -6,11 +6,11 @@ use super::{DrawList, Solid};
 use crate::math::Aabb;
 
 /// A floor wider than this many times everything else counts only as far as it lies near the rest.
-const WIDE_FLOOR: f32 = 1.5;
+const MAX_FLOOR_RATIO: f32 = 1.5;
 /// The same for a slope or a wall, which is worth looking at on its own.
-const WIDE_SLOPE: f32 = 3.0;
+const MAX_SLOPE_RATIO: f32 = 3.0;
 /// How far from the rest the near part of a wide plane reaches, in sizes of the rest: sideways, and above or below.
-const NEAR: [f32; 2] = [0.05, 1.0];
+const NEAR_REACH: [f32; 2] = [0.05, 1.0];
 
 impl DrawList {
     /// The smallest box around all finite particles of bodies that are not absent, m; empty if there are none.
@@ -32,7 +32,7 @@ impl DrawList {
     pub fn bounds(&self) -> Aabb<f32> {
         let small = |core: Aabb<f32>| {
             move |solid: &&Solid| {
-                let wide = if solid.is_floor() { WIDE_FLOOR } else { WIDE_SLOPE };
+                let wide = if solid.is_floor() { MAX_FLOOR_RATIO } else { MAX_SLOPE_RATIO };
                 !solid.is_plane() || solid.bounds().size().max_element() <= wide * core.size().max_element()
             }
         };
@@ -44,7 +44,7 @@ impl DrawList {
         }
         let core: Aabb<f32> = self.solids.iter().filter(small(core)).fold(core, join);
         let size = core.size().max_element();
-        let beside = Vec3::new(NEAR[0], NEAR[1], NEAR[0]) * size;
+        let beside = Vec3::new(NEAR_REACH[0], NEAR_REACH[1], NEAR_REACH[0]) * size;
         let near: Aabb<f32> = Aabb { min: core.min - beside, max: core.max + beside };
         let wide = self.solids.iter().filter(|solid| !small(core)(solid)).map(Solid::bounds);
         let parts = wide.map(|plane| Aabb::<f32> { min: plane.min.max(near.min), max: plane.max.min(near.max) });

@@ -8,7 +8,7 @@ use crate::math::Aabb;
 /// Air left around what is framed, as a factor on its size.
 const MARGIN: f32 = 1.12;
 /// How near to the floor the eye may come, as a fraction of its distance to the target.
-const ABOVE_FLOOR: f32 = 0.02;
+const MIN_FLOOR_CLEARANCE: f32 = 0.02;
 
 /// The part of a picture that nothing covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +40,7 @@ impl SafeArea {
     }
 
     /// The same area with a margin at its edges.
-    fn with_air(&self) -> Self {
+    fn with_margin(&self) -> Self {
         let half = (self.max - self.min) * (0.5 / MARGIN);
         Self { min: self.center() - half, max: self.center() + half, ..*self }
     }
@@ -57,7 +57,7 @@ fn corners(orbit: &Orbit, bounds: Aabb<f32>, from: Vec3) -> [Vec3; 8] {
     })
 }
 
-fn is_box(bounds: Aabb<f32>) -> bool {
+fn is_finite_box(bounds: Aabb<f32>) -> bool {
     bounds.size().is_finite() && bounds.center().is_finite() && bounds.min.cmple(bounds.max).all()
 }
 
@@ -68,12 +68,12 @@ impl Orbit {
     /// slopes l and r of the area's left and right edges; the same holds upward. The nearest eye with all corners inside is
     /// found axis by axis.
     pub fn frame(&mut self, bounds: Aabb<f32>, area: SafeArea) {
-        if !is_box(bounds) {
+        if !is_finite_box(bounds) {
             return;
         }
         let middle = bounds.center();
         let corners = corners(self, bounds, middle);
-        let [low, high] = area.with_air().slopes(self.clamped().fov_rad);
+        let [low, high] = area.with_margin().slopes(self.clamped().fov_rad);
         let mut ahead = f32::INFINITY;
         let (mut least, mut most) = (Vec2::ZERO, Vec2::ZERO);
         for axis in 0..2 {
@@ -117,10 +117,10 @@ impl Orbit {
     /// Moves the eye away from the target until all of a box is in the area, if it is not. The target and the angles stay,
     /// so that everything seen before stays in sight.
     pub fn pull_back(&mut self, bounds: Aabb<f32>, area: SafeArea) {
-        if !is_box(bounds) || self.shows(bounds, area) {
+        if !is_finite_box(bounds) || self.shows(bounds, area) {
             return;
         }
-        let [low, high] = area.with_air().slopes(self.clamped().fov_rad);
+        let [low, high] = area.with_margin().slopes(self.clamped().fov_rad);
         let needed = corners(self, bounds, self.target).map(|corner| {
             let along = |axis: usize| corner[axis] / if corner[axis] > 0.0 { high[axis] } else { low[axis] };
             along(0).max(along(1)) - corner.z
@@ -145,14 +145,14 @@ impl Orbit {
         if turned && before.pitch_rad > self.pitch_rad && self.target.y >= floor {
             self.rise_above(floor);
         } else {
-            self.target.y += (self.clear_of(floor) - self.camera().eye.y).max(0.0);
+            self.target.y += (self.min_eye_height(floor) - self.camera().eye.y).max(0.0);
             *self = self.clamped();
         }
     }
 
     /// Turns an eye below a floor up above it, if the target is above the floor. Returns whether the eye was below.
     pub fn rise_above(&mut self, floor: f32) -> bool {
-        let sine = (self.clear_of(floor) - self.target.y) / self.distance;
+        let sine = (self.min_eye_height(floor) - self.target.y) / self.distance;
         let below = self.target.y >= floor && self.pitch_rad.sin() < sine;
         if below {
             self.pitch_rad = sine.asin();
@@ -162,8 +162,8 @@ impl Orbit {
     }
 
     /// The height at which the eye is clear of a floor, m.
-    fn clear_of(&self, floor: f32) -> f32 {
-        floor + ABOVE_FLOOR * self.distance
+    fn min_eye_height(&self, floor: f32) -> f32 {
+        floor + MIN_FLOOR_CLEARANCE * self.distance
     }
 }
 

@@ -23,27 +23,27 @@ use super::overlay::{Fill, LineEnds, Lines, Overlay, Segment};
 use super::style::{OverlayColors, Tint};
 
 /// Where an arrow begins and ends, pixels from the middle.
-const ARROW: [f32; 2] = [14.0, 84.0];
+const ARROW_SPAN: [f32; 2] = [14.0, 84.0];
 /// The length of its head, pixels.
-const HEAD: f32 = 15.0;
+const ARROW_HEAD_LENGTH: f32 = 15.0;
 /// Where a square begins and ends along both of its axes, pixels from the middle.
-const SQUARE: [f32; 2] = [26.0, 46.0];
+const SQUARE_SPAN: [f32; 2] = [26.0, 46.0];
 /// The radius of a ring, pixels.
-const RING: f32 = 102.0;
+const RING_RADIUS: f32 = 102.0;
 /// Lines in a whole ring.
 const RING_SIDES: u16 = 96;
 /// The width of the rim of lines, pixels.
-const RIM: f32 = 1.0;
+const RIM_WIDTH: f32 = 1.0;
 /// How near to an arrow or a ring the pointer must be to hit it, pixels.
-const REACH: f32 = 8.0;
+const HIT_DISTANCE: f32 = 8.0;
 /// An arrow is left out if the cosine of its angle to the line of sight exceeds this: it points too straight at the eye.
-const ARROW_STRAIGHT: f32 = 0.97;
+const MAX_ARROW_COSINE: f32 = 0.97;
 /// A square is left out if it is seen flatter than this, as a sine.
-const SQUARE_FLAT: f32 = 0.12;
+const MIN_SQUARE_SINE: f32 = 0.12;
 /// A ring seen flatter than this, as a sine, is turned by a drag along its tangent instead of around its middle.
-const RING_FLAT: f32 = 0.25;
+const MIN_RING_SINE: f32 = 0.25;
 /// The farthest that a drag moves the thing, in distances from the eye: towards the horizon there is no limit otherwise.
-const FARTHEST: f32 = 20.0;
+const MAX_RELATIVE_DRAG: f32 = 20.0;
 
 /// Handles around a thing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +53,7 @@ pub struct Gizmo {
     /// The directions of the handles; of unit length, at right angles.
     pub axes: [Vec3; 3],
     /// Whether there are rings. A sphere needs none: its turns are invisible.
-    pub turns: bool,
+    pub has_rings: bool,
 }
 
 /// One of the handles.
@@ -83,19 +83,20 @@ pub enum Drag {
 
 impl Gizmo {
     /// Handles along the axes of the world.
-    pub fn new(center: Vec3, turns: bool) -> Self {
-        Self { center, axes: Vec3::AXES, turns }
+    pub fn new(center: Vec3, has_rings: bool) -> Self {
+        Self { center, axes: Vec3::AXES, has_rings }
     }
 
     /// The handle under a pixel of a view of `size` pixels.
     pub fn hit(&self, camera: &Camera, size: Vec2, pixel: Vec2) -> Option<Handle> {
-        let seen = Seen::new(self, camera, size)?;
+        let projected = ProjectedGizmo::new(self, camera, size)?;
         let squares =
-            seen.squares().find(|(_, corners)| is_inside(corners, pixel)).map(|(axis, _)| Handle::Square(axis));
-        let near = |handle: Handle, distance: f32| (distance < REACH).then_some((handle, distance));
-        let arrows = seen.arrows().filter_map(|(axis, ends)| near(Handle::Arrow(axis), to_segment(pixel, ends)));
-        let rings = seen.rings().filter_map(|(axis, points)| {
-            let distances = points.windows(2).map(|pair| to_segment(pixel, [pair[0], pair[1]]));
+            projected.squares().find(|(_, corners)| is_inside(corners, pixel)).map(|(axis, _)| Handle::Square(axis));
+        let near = |handle: Handle, distance: f32| (distance < HIT_DISTANCE).then_some((handle, distance));
+        let arrows =
+            projected.arrows().filter_map(|(axis, ends)| near(Handle::Arrow(axis), distance_to_segment(pixel, ends)));
+        let rings = projected.rings().filter_map(|(axis, points)| {
+            let distances = points.windows(2).map(|pair| distance_to_segment(pixel, [pair[0], pair[1]]));
             near(Handle::Ring(axis), distances.fold(f32::INFINITY, f32::min))
         });
         squares.or_else(|| {
@@ -107,10 +108,10 @@ impl Gizmo {
     /// Returns the effect of dragging a handle from one pixel to another. `None` where the pointer is at no meaningful
     /// place: the last result stands then. The gizmo and the camera must be those of the beginning of the drag.
     pub fn drag(&self, camera: &Camera, size: Vec2, handle: Handle, from: Vec2, to: Vec2) -> Option<Drag> {
-        let far = FARTHEST * camera.eye.distance(self.center);
+        let max_drag = MAX_RELATIVE_DRAG * camera.eye.distance(self.center);
         let moved = match handle {
             Handle::Arrow(axis) => {
-                let along = |pixel| self.along_axis(camera, size, axis, pixel);
+                let along = |pixel| self.nearest_on_axis(camera, size, axis, pixel);
                 self.axes[axis] * (along(to)? - along(from)?)
             }
             Handle::Square(axis) => {
@@ -122,15 +123,15 @@ impl Gizmo {
                 on_plane(to)? - on_plane(from)?
             }
             Handle::Ring(axis) => {
-                let angle_rad = self.turned(camera, size, axis, from, to)?;
+                let angle_rad = self.drag_angle(camera, size, axis, from, to)?;
                 return Some(Drag::Turn { axis: self.axes[axis], angle_rad });
             }
         };
-        (moved.length() < far).then_some(Drag::Move(moved))
+        (moved.length() < max_drag).then_some(Drag::Move(moved))
     }
 
     /// The point of an axis that is nearest to the line of sight through a pixel, m from the middle.
-    fn along_axis(&self, camera: &Camera, size: Vec2, axis: usize, pixel: Vec2) -> Option<f32> {
+    fn nearest_on_axis(&self, camera: &Camera, size: Vec2, axis: usize, pixel: Vec2) -> Option<f32> {
         let (ray, axis) = (camera.ray_through(pixel, size), self.axes[axis]);
         let to_center = self.center - ray.origin;
         let cos = ray.direction.dot(axis);
@@ -139,7 +140,7 @@ impl Gizmo {
         (along.is_finite() && ahead > 0.0).then_some(along)
     }
 
-    fn turned(&self, camera: &Camera, size: Vec2, axis: usize, from: Vec2, to: Vec2) -> Option<f32> {
+    fn drag_angle(&self, camera: &Camera, size: Vec2, axis: usize, from: Vec2, to: Vec2) -> Option<f32> {
         let axis = self.axes[axis];
         let to_eye = (camera.eye - self.center).try_normalize()?;
         let facing = to_eye.dot(axis);
@@ -147,14 +148,14 @@ impl Gizmo {
             let ray = camera.ray_through(pixel, size);
             ray.hit_plane(self.center, normal).map(|distance| ray.at(distance) - self.center)
         };
-        if facing.abs() > RING_FLAT {
+        if facing.abs() > MIN_RING_SINE {
             let (a, b) = (on_plane(from, axis)?, on_plane(to, axis)?);
             return Some(axis.dot(a.cross(b)).atan2(a.dot(b)));
         }
         // Seen flat, the near side of the ring is a line: a way of one radius along it is a turn of one radian.
         let toward = (to_eye - axis * facing).try_normalize()?;
         let tangent = axis.cross(toward);
-        let radius = Seen::new(self, camera, size)?.metres(RING);
+        let radius = ProjectedGizmo::new(self, camera, size)?.metres(RING_RADIUS);
         let along = |pixel| on_plane(pixel, toward).map(|place| place.dot(tangent));
         let angle = (along(to)? - along(from)?) / radius;
         Some((angle + PI).rem_euclid(TAU) - PI)
@@ -169,20 +170,20 @@ impl Gizmo {
         hot: Option<Handle>,
         colors: &OverlayColors,
     ) {
-        let Some(seen) = Seen::new(self, camera, size) else { return };
+        let Some(projected) = ProjectedGizmo::new(self, camera, size) else { return };
         let color = |handle: Handle, axis: usize, opacity: f32| {
             let [r, g, b] = if hot == Some(handle) { colors.hot } else { colors.axes[axis] };
             [r, g, b, if hot == Some(handle) { opacity.max(0.75) } else { opacity }]
         };
         let wider = |handle: Handle| if hot == Some(handle) { 1.5 } else { 1.0 };
         let (mut segments, mut fills) = (Vec::new(), overlay.fills.to_vec());
-        for axis in seen.ring_axes() {
-            let (handle, points) = (Handle::Ring(axis), seen.ring(axis));
+        for axis in projected.ring_axes() {
+            let (handle, points) = (Handle::Ring(axis), projected.ring(axis));
             let color = color(handle, axis, 1.0);
             segments.extend(points.windows(2).map(|pair| Segment::new(pair[0], pair[1], color, 2.2 * wider(handle))));
         }
-        for axis in seen.square_axes() {
-            let (handle, corners) = (Handle::Square(axis), seen.square(axis));
+        for axis in projected.square_axes() {
+            let (handle, corners) = (Handle::Square(axis), projected.square(axis));
             let [a, b, c, d] = corners;
             let fill = color(handle, axis, 0.35);
             fills.extend([a, b, c, a, c, d].map(|place| Fill { place: place.to_array(), color: fill }));
@@ -190,16 +191,16 @@ impl Gizmo {
             let edges = [[a, b], [b, c], [c, d], [d, a]];
             segments.extend(edges.map(|[from, to]| Segment::new(from, to, edge, 1.5 * wider(handle))));
         }
-        for axis in seen.arrow_axes() {
-            let (handle, [tail, tip]) = (Handle::Arrow(axis), seen.arrow(axis));
+        for axis in projected.arrow_axes() {
+            let (handle, [tail, tip]) = (Handle::Arrow(axis), projected.arrow(axis));
             let color = color(handle, axis, 1.0);
-            let neck = tip - self.axes[axis] * seen.metres(HEAD);
+            let neck = tip - self.axes[axis] * projected.metres(ARROW_HEAD_LENGTH);
             segments.push(Segment::new(tail, neck, color, 3.0 * wider(handle)));
             let widths = [11.0 * wider(handle), 0.0];
             segments.push(Segment { widths, ..Segment::new(neck, tip, color, 0.0) });
         }
         let [r, g, b] = colors.rim;
-        let rims = segments.iter().map(|segment| seen.rimmed(segment, [r, g, b, 1.0]));
+        let rims = segments.iter().map(|segment| projected.rim_of(segment, [r, g, b, 1.0]));
         let ends = LineEnds::Placed(Arc::new(rims.chain(segments.iter().copied()).collect()));
         overlay.lines.push(Lines { ends, tint: Tint::Own, opacity: 1.0, width: 1.0, hidden: 1.0 });
         overlay.fills = Arc::new(fills);
@@ -207,7 +208,7 @@ impl Gizmo {
 }
 
 /// A gizmo as a camera sees it.
-struct Seen<'a> {
+struct ProjectedGizmo<'a> {
     gizmo: &'a Gizmo,
     camera: &'a Camera,
     size: Vec2,
@@ -215,7 +216,7 @@ struct Seen<'a> {
     metres_per_pixel: f32,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> ProjectedGizmo<'a> {
     /// `None` if the middle is not ahead of the eye.
     fn new(gizmo: &'a Gizmo, camera: &'a Camera, size: Vec2) -> Option<Self> {
         let ahead = (gizmo.center - camera.eye).dot(camera.forward());
@@ -234,25 +235,25 @@ impl<'a> Seen<'a> {
     }
 
     fn arrow_axes(&self) -> impl Iterator<Item = usize> {
-        (0..3).filter(|&axis| self.facing(axis).abs() < ARROW_STRAIGHT)
+        (0..3).filter(|&axis| self.facing(axis).abs() < MAX_ARROW_COSINE)
     }
 
     fn square_axes(&self) -> impl Iterator<Item = usize> {
-        (0..3).filter(|&axis| self.facing(axis).abs() > SQUARE_FLAT)
+        (0..3).filter(|&axis| self.facing(axis).abs() > MIN_SQUARE_SINE)
     }
 
     fn ring_axes(&self) -> impl Iterator<Item = usize> {
-        (0..3).filter(|_| self.gizmo.turns)
+        (0..3).filter(|_| self.gizmo.has_rings)
     }
 
     fn arrow(&self, axis: usize) -> [Vec3; 2] {
-        ARROW.map(|pixels| self.gizmo.center + self.gizmo.axes[axis] * self.metres(pixels))
+        ARROW_SPAN.map(|pixels| self.gizmo.center + self.gizmo.axes[axis] * self.metres(pixels))
     }
 
     /// The square at right angles to an axis, in the quarter between the two other arrows.
     fn square(&self, axis: usize) -> [Vec3; 4] {
         let [u, v] = [1, 2].map(|next| self.gizmo.axes[(axis + next) % 3]);
-        let [near, far] = SQUARE.map(|pixels| self.metres(pixels));
+        let [near, far] = SQUARE_SPAN.map(|pixels| self.metres(pixels));
         [[near, near], [far, near], [far, far], [near, far]].map(|[a, b]| self.gizmo.center + u * a + v * b)
     }
 
@@ -262,10 +263,10 @@ impl<'a> Seen<'a> {
         let facing = self.facing(axis);
         let toward = (self.to_eye - normal * facing).try_normalize().unwrap_or(self.gizmo.axes[(axis + 1) % 3]);
         let side = normal.cross(toward);
-        let whole = facing.abs() > ARROW_STRAIGHT;
+        let whole = facing.abs() > MAX_ARROW_COSINE;
         let sides = if whole { RING_SIDES } else { RING_SIDES / 2 };
         let span = if whole { PI } else { 0.5 * PI };
-        let radius = self.metres(RING);
+        let radius = self.metres(RING_RADIUS);
         let point = |step: u16| {
             let (sin, cos) = (span * (2.0 * f32::from(step) / f32::from(sides) - 1.0)).sin_cos();
             self.gizmo.center + (toward * cos + side * sin) * radius
@@ -274,11 +275,11 @@ impl<'a> Seen<'a> {
     }
 
     /// The rim of a line: a line that reaches a little further on all sides.
-    fn rimmed(&self, segment: &Segment, color: [f32; 4]) -> Segment {
+    fn rim_of(&self, segment: &Segment, color: [f32; 4]) -> Segment {
         let [from, to] = segment.ends.map(Vec3::from);
         let flat_ended = segment.widths[0] > 2.0 * segment.widths[1];
-        let beyond = if flat_ended { (to - from).normalize_or_zero() * self.metres(RIM) } else { Vec3::ZERO };
-        let widths = segment.widths.map(|width| width + 2.0 * RIM);
+        let beyond = if flat_ended { (to - from).normalize_or_zero() * self.metres(RIM_WIDTH) } else { Vec3::ZERO };
+        let widths = segment.widths.map(|width| width + 2.0 * RIM_WIDTH);
         Segment { ends: [(from - beyond).to_array(), (to + 2.0 * beyond).to_array()], color, widths }
     }
 
@@ -305,7 +306,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-fn to_segment(pixel: Vec2, [a, b]: [Vec2; 2]) -> f32 {
+fn distance_to_segment(pixel: Vec2, [a, b]: [Vec2; 2]) -> f32 {
     let way = b - a;
     let share = ((pixel - a).dot(way) / way.length_squared()).clamp(0.0, 1.0);
     pixel.distance(if share.is_finite() { a + way * share } else { a })

@@ -21,10 +21,10 @@ fn pixel(camera: &Camera, point: Vec3) -> Vec2 {
 
 /// The middle of every handle, in pixels.
 fn middles(gizmo: &Gizmo, camera: &Camera) -> Vec<(Handle, Vec2)> {
-    let seen = Seen::new(gizmo, camera, SIZE).expect("in front of the eye");
-    let arrows = seen.arrows().map(|(axis, [tail, tip])| (Handle::Arrow(axis), tail.lerp(tip, 0.9)));
-    let squares = seen.squares().map(|(axis, corners)| (Handle::Square(axis), (corners[0] + corners[2]) * 0.5));
-    let rings = seen.rings().map(|(axis, points)| (Handle::Ring(axis), points[points.len() / 4]));
+    let projected = ProjectedGizmo::new(gizmo, camera, SIZE).expect("in front of the eye");
+    let arrows = projected.arrows().map(|(axis, [tail, tip])| (Handle::Arrow(axis), tail.lerp(tip, 0.9)));
+    let squares = projected.squares().map(|(axis, corners)| (Handle::Square(axis), (corners[0] + corners[2]) * 0.5));
+    let rings = projected.rings().map(|(axis, points)| (Handle::Ring(axis), points[points.len() / 4]));
     arrows.chain(squares).chain(rings).collect()
 }
 
@@ -45,7 +45,7 @@ fn every_handle_is_hit_where_it_is_drawn_at_any_distance() {
 #[test]
 fn a_sphere_has_no_rings_and_nothing_behind_the_eye_has_handles() {
     let camera = camera(3.0);
-    let still = Gizmo { turns: false, ..gizmo() };
+    let still = Gizmo { has_rings: false, ..gizmo() };
     assert!(middles(&still, &camera).iter().all(|(handle, _)| !matches!(handle, Handle::Ring(_))), "no rings");
     let behind = Gizmo::new(camera.eye - camera.forward(), true);
     assert_eq!(behind.hit(&camera, SIZE, SIZE * 0.5), None, "behind the eye");
@@ -116,7 +116,7 @@ fn a_ring_turns_by_the_angle_the_pointer_goes_around() {
 fn a_ring_seen_flat_turns_along_its_tangent() {
     let camera = Orbit { target: CENTER, yaw_rad: 0.0, pitch_rad: 0.0, ..Orbit::default() }.camera();
     let middle = pixel(&camera, CENTER);
-    let right = turn(&camera, 1, middle, middle + Vec2::X * RING);
+    let right = turn(&camera, 1, middle, middle + Vec2::X * RING_RADIUS);
     assert!((right - 1.0).abs() < 0.01, "a radius to the right is a radian about the vertical: {right}");
     let none = turn(&camera, 1, middle, middle + Vec2::Y * 50.0);
     assert!(none.abs() < 1e-3, "along the axis nothing turns: {none}");

@@ -97,7 +97,7 @@ impl Skin {
             let corners = self.triangles[triangle as usize].map(|vertex| &self.vertices[vertex as usize]);
             Some((triangle as usize, ray.hit_triangle(corners.map(|vertex| vertex.place(particles)))?))
         };
-        self.clusters.near(particles, ray).filter_map(hit).min_by(|a, b| a.1.total_cmp(&b.1))
+        self.clusters.hit_candidates(particles, ray).filter_map(hit).min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// The position and unit normal of every vertex, as the graphics card computes them: for export, picking and tests.

@@ -114,10 +114,10 @@ impl Solid {
                 inside.then_some(distance)
             }
             Self::Box { center, axes, half_extents } => {
-                let slabs = (0..3).map(|axis| between(ray, center, axes[axis], half_extents[axis]));
-                first(slabs.fold(EVER, common))
+                let slabs = (0..3).map(|axis| slab_interval(ray, center, axes[axis], half_extents[axis]));
+                first(slabs.fold(WHOLE_LINE, intersection))
             }
-            Self::Cylinder { center, arm, radius } => first(in_cylinder(ray, center, arm, radius)),
+            Self::Cylinder { center, arm, radius } => first(cylinder_interval(ray, center, arm, radius)),
             Self::Mesh { center, axes, ref mesh } => {
                 let own = |v: Vec3| Vec3::from(axes.map(|axis| v.dot(axis) / axis.length_squared()));
                 // A distance is the same multiple of the direction in both systems of axes.
@@ -126,15 +126,15 @@ impl Solid {
             Self::Capsule { center, arm, radius } => {
                 // The ends and the cylinder are one convex body.
                 let ends = [center - arm, center + arm].into_iter().filter_map(|end| ray.hit_sphere(end, radius));
-                let side = first(in_cylinder(ray, center, arm, radius));
-                let is_within = self.holds(ray.origin);
+                let side = first(cylinder_interval(ray, center, arm, radius));
+                let is_within = self.capsule_contains(ray.origin);
                 ends.chain(side).reduce(if is_within { f32::max } else { f32::min })
             }
         }
     }
 
     /// Whether a point is in a capsule.
-    fn holds(&self, point: Vec3) -> bool {
+    fn capsule_contains(&self, point: Vec3) -> bool {
         let Self::Capsule { center, arm, radius } = *self else { return false };
         let along = ((point - center).dot(arm) / arm.length_squared()).clamp(-1.0, 1.0);
         point.distance(center + arm * along) < radius
@@ -142,25 +142,25 @@ impl Solid {
 }
 
 /// The whole of a line.
-const EVER: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
+const WHOLE_LINE: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
 
 /// The intersection of two parts of a line; its end lies before its beginning if it is empty.
-fn common(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+fn intersection(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
     [a[0].max(b[0]), a[1].min(b[1])]
 }
 
 /// The part of a line of sight, m, within `half` of a point, measured along an axis.
-fn between(ray: &Ray, center: Vec3, axis: Vec3, half: f32) -> [f32; 2] {
+fn slab_interval(ray: &Ray, center: Vec3, axis: Vec3, half: f32) -> [f32; 2] {
     let (from, speed) = ((ray.origin - center).dot(axis), ray.direction.dot(axis));
     if speed == 0.0 {
-        return if from.abs() <= half { EVER } else { [f32::INFINITY, f32::NEG_INFINITY] };
+        return if from.abs() <= half { WHOLE_LINE } else { [f32::INFINITY, f32::NEG_INFINITY] };
     }
     let ends = [(-half - from) / speed, (half - from) / speed];
     [ends[0].min(ends[1]), ends[0].max(ends[1])]
 }
 
 /// The part of a line of sight, m, that is in a cylinder.
-fn in_cylinder(ray: &Ray, center: Vec3, arm: Vec3, radius: f32) -> [f32; 2] {
+fn cylinder_interval(ray: &Ray, center: Vec3, arm: Vec3, radius: f32) -> [f32; 2] {
     let axis = arm.normalize_or_zero();
     let across = |v: Vec3| v - axis * v.dot(axis);
     let (from, way) = (across(ray.origin - center), across(ray.direction));
@@ -172,14 +172,14 @@ fn in_cylinder(ray: &Ray, center: Vec3, arm: Vec3, radius: f32) -> [f32; 2] {
         // The root of a negative number is NaN: nothing lies between such ends.
         [middle - half, middle + half]
     } else if from.length() <= radius {
-        EVER
+        WHOLE_LINE
     } else {
         [f32::NAN; 2]
     };
     if sides[0].is_nan() {
         return [f32::INFINITY, f32::NEG_INFINITY];
     }
-    common(sides, between(ray, center, axis, arm.length()))
+    intersection(sides, slab_interval(ray, center, axis, arm.length()))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use gelatin::app::ui::files::{Wish, Work};
+use gelatin::app::ui::files::{FileRequest, Work};
 use gelatin::scene::Shape;
 use gelatin::scene::body::UpAxis;
 use gelatin::session::Command;
@@ -16,12 +16,12 @@ use crate::files::{Stage, click, is_open, places, show};
 /// Opens the assistant on a model and makes the body, as the window would on another thread.
 fn jellify_in_assistant(harness: &mut Harness<'_, Stage>, path: &Path) {
     harness.state_mut().ui.files.load_model(path);
-    jellify_wished(harness);
+    jellify_requested(harness);
 }
 
 /// Makes the body that the assistant's values describe.
-fn jellify_wished(harness: &mut Harness<'_, Stage>) {
-    let work = match jellify(&wished(harness), &Progress::default()) {
+fn jellify_requested(harness: &mut Harness<'_, Stage>) {
+    let work = match jellify(&requested(harness), &Progress::default()) {
         Ok(body) => Work::Ready(Box::new(body)),
         Err(error) => Work::Failed(error.to_string()),
     };
@@ -29,12 +29,12 @@ fn jellify_wished(harness: &mut Harness<'_, Stage>) {
 }
 
 /// The body that the assistant asks for.
-fn wished(harness: &mut Harness<'_, Stage>) -> Box<Wanted> {
+fn requested(harness: &mut Harness<'_, Stage>) -> Box<Wanted> {
     // The work begins only after the values have been unchanged for a while.
     harness.run_steps(60);
-    let wishes = std::mem::take(&mut harness.state_mut().ui.files.wishes);
-    let asked = wishes.into_iter().find_map(|wish| match wish {
-        Wish::Jellify(wanted) => Some(wanted),
+    let requests = std::mem::take(&mut harness.state_mut().ui.files.requests);
+    let asked = requests.into_iter().find_map(|request| match request {
+        FileRequest::Jellify(wanted) => Some(wanted),
         _ => None,
     });
     asked.expect("the work is asked for")
@@ -89,7 +89,7 @@ fn what_is_wrong_with_a_model_is_read_without_scrolling() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = show(None, false);
     harness.state_mut().ui.files.load_model(&box_model(folder.path()));
-    let mut body = jellify(&wished(&mut harness), &Progress::default()).expect("a slab");
+    let mut body = jellify(&requested(&mut harness), &Progress::default()).expect("a slab");
     body.preview.warnings = ["the surface is open", "two parts are one"].map(str::to_owned).to_vec();
     answer(&mut harness, Work::Ready(Box::new(body)));
     let [first, second, figures] =
@@ -104,15 +104,15 @@ fn a_picture_of_the_model_shows_what_cells_lose() {
     jellify_in_assistant(&mut harness, &box_model(folder.path()));
     assert!(harness.query_by_label_contains("thinner than a cell:").is_some(), "what the first colour means");
     assert!(harness.query_by_label_contains("moves as one with").is_some(), "and the second");
-    let wish = |harness: &mut Harness<'_, Stage>| harness.state_mut().ui.files.take_inset();
-    let first = wish(&mut harness).expect("the window is to draw it");
+    let next_request = |harness: &mut Harness<'_, Stage>| harness.state_mut().ui.files.take_inset();
+    let first = next_request(&mut harness).expect("the window is to draw it");
     assert!(first.size.iter().all(|side| *side > 100), "{:?}", first.size);
     assert!(first.draw_list.skins.len() == 1 && first.draw_list.overlay.cells.is_empty(), "the model alone");
     harness.run_steps(3);
-    assert!(wish(&mut harness).is_none(), "once, as long as it stays the same");
+    assert!(next_request(&mut harness).is_none(), "once, as long as it stays the same");
     harness.state_mut().ui.files.inset_drawn(Some(egui::TextureId::User(7)));
     harness.run_steps(3);
-    assert!(wish(&mut harness).is_none(), "it is shown");
+    assert!(next_request(&mut harness).is_none(), "it is shown");
     let place = harness.get_by_label("The model and its cells; drag to turn").rect().center();
     harness.drag_at(place);
     harness.run_steps(2);
@@ -120,14 +120,14 @@ fn a_picture_of_the_model_shows_what_cells_lose() {
     harness.run_steps(2);
     harness.drop_at(place + egui::vec2(60.0, 0.0));
     harness.run_steps(2);
-    let turned = wish(&mut harness).expect("it was turned");
+    let turned = next_request(&mut harness).expect("it was turned");
     assert!(turned.draw_list.camera != first.draw_list.camera, "seen from elsewhere");
     harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, "Cells").click();
     harness.run_steps(3);
-    assert!(!wish(&mut harness).expect("another picture").draw_list.overlay.cells.is_empty(), "with its cells");
+    assert!(!next_request(&mut harness).expect("another picture").draw_list.overlay.cells.is_empty(), "with its cells");
     harness.state_mut().ui.files.inset_drawn(None);
     harness.run_steps(3);
-    assert!(wish(&mut harness).is_some(), "the window lost it: once more");
+    assert!(next_request(&mut harness).is_some(), "the window lost it: once more");
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn a_model_that_lies_on_its_side_is_stood_up_by_a_guess_or_by_choice() {
         harness.get_by_role_and_label(egui::accesskit::Role::ComboBox, "Up axis").click();
         harness.run_steps(3);
         click(harness, label);
-        jellify_wished(harness);
+        jellify_requested(harness);
     };
     choose(&mut harness, "−x");
     let commands = click(&mut harness, "Add to scene");
@@ -182,9 +182,9 @@ fn work_that_is_stopped_or_closed_is_no_longer_wanted() {
     harness.state_mut().ui.files.set_work(Work::Running(std::sync::Arc::default()));
     harness.run_steps(2);
     for label in ["Stop", "Close"] {
-        harness.state_mut().ui.files.wishes.clear();
+        harness.state_mut().ui.files.requests.clear();
         click(&mut harness, label);
-        assert!(harness.state().ui.files.wishes.contains(&Wish::StopJellifying), "{label}");
+        assert!(harness.state().ui.files.requests.contains(&FileRequest::StopJellifying), "{label}");
     }
 }
 

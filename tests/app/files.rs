@@ -6,7 +6,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use gelatin::app::frame_meter::DrawingCost;
 use gelatin::app::theme;
-use gelatin::app::ui::files::{FileAction, FoundDraft, PathUse, Wish};
+use gelatin::app::ui::files::{FileAction, FileRequest, FoundDraft, PathUse};
 use gelatin::app::ui::{Running, Shown, UiState, panels_ui};
 use gelatin::scene::view_settings::CameraSettings;
 use gelatin::scene::{Scene, presets};
@@ -96,7 +96,7 @@ fn the_menu_saves_and_opens() {
     harness.get_by_label("Open scene");
     harness.get_by_label("Browse…").click();
     harness.run_steps(2);
-    assert!(matches!(harness.state().ui.files.wishes[..], [Wish::Browse(PathUse::OpenScene, _)]));
+    assert!(matches!(harness.state().ui.files.requests[..], [FileRequest::Browse(PathUse::OpenScene, _)]));
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn without_changes_nothing_is_asked() {
     let mut harness = show(None, false);
     assert!(matches!(ask(&mut harness, FileAction::New)[..], [Command::New]));
     ask(&mut harness, FileAction::Quit);
-    assert_eq!(harness.state().ui.files.wishes, [Wish::Quit]);
+    assert_eq!(harness.state().ui.files.requests, [FileRequest::Quit]);
 }
 
 #[test]
@@ -174,9 +174,9 @@ fn what_would_lose_changes_waits_for_an_answer() {
     ask(&mut harness, FileAction::New);
     assert!(matches!(click(&mut harness, "Discard")[..], [Command::New]), "now it happens");
     ask(&mut harness, FileAction::Quit);
-    assert!(harness.state().ui.files.wishes.is_empty(), "closing waits too");
+    assert!(harness.state().ui.files.requests.is_empty(), "closing waits too");
     click(&mut harness, "Discard");
-    assert_eq!(harness.state().ui.files.wishes, [Wish::Quit]);
+    assert_eq!(harness.state().ui.files.requests, [FileRequest::Quit]);
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn a_scene_without_a_file_is_asked_for_one_before_closing() {
     assert_eq!(*path, folder.path().join("new.ron"), "with its ending");
     harness.state_mut().status.unsaved = false;
     harness.run_steps(2);
-    assert_eq!(harness.state().ui.files.wishes, [Wish::Quit]);
+    assert_eq!(harness.state().ui.files.requests, [FileRequest::Quit]);
 }
 
 #[test]
@@ -302,11 +302,11 @@ fn what_was_found_after_a_crash_is_offered() {
     harness.run_steps(2);
     harness.get_by_label("Recover unsaved changes of tower from 14:32?");
     click(&mut harness, "Recover");
-    assert_eq!(harness.state().ui.files.wishes, [Wish::Recover]);
-    harness.state_mut().ui.files.wishes.clear();
+    assert_eq!(harness.state().ui.files.requests, [FileRequest::Recover]);
+    harness.state_mut().ui.files.requests.clear();
     harness.state_mut().status.unsaved = true;
     click(&mut harness, "Recover");
-    assert!(harness.state().ui.files.wishes.is_empty(), "there are new changes: it waits for an answer");
+    assert!(harness.state().ui.files.requests.is_empty(), "there are new changes: it waits for an answer");
     harness.get_by_label("Unsaved changes");
 }
 

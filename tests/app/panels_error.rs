@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use egui_kittest::kittest::Queryable as _;
 use gelatin::app::theme::Theme;
-use gelatin::app::ui::work::{Wish, Work};
+use gelatin::app::ui::work::{JobRequest, Work};
 use gelatin::geometry::Watch as _;
 use gelatin::scene::body::CubeShape;
 use gelatin::scene::edit::Edit;
@@ -52,15 +52,15 @@ fn it_is_computed_when_asked_for_with_progress_and_a_stop() {
     assert!(!window.has("Compute"), "the panel is closed");
     window.click("Error");
     window.click("Compute");
-    assert_eq!(window.harness.state().ui.error_panel.wish, Some(Wish::Begin), "the window starts the work");
+    assert_eq!(window.harness.state().ui.error_panel.request, Some(JobRequest::Begin), "the window starts the work");
     let progress = Arc::new(Progress::default());
     progress.progress(0.4);
     let panel = &mut window.harness.state_mut().ui.error_panel;
-    (panel.wish, panel.work) = (None, Work::Running(progress));
+    (panel.request, panel.work) = (None, Work::Running(progress));
     window.harness.run_steps(2);
     assert!(window.has("Computing: 40 %"), "how far it is");
     window.click("Stop");
-    assert_eq!(window.harness.state().ui.error_panel.wish, Some(Wish::Stop));
+    assert_eq!(window.harness.state().ui.error_panel.request, Some(JobRequest::Stop));
 }
 
 #[test]
@@ -93,7 +93,7 @@ fn another_scene_makes_the_curve_old_news() {
     window.choose("Scene", "tree");
     window.wait();
     let panel = &window.harness.state().ui.error_panel;
-    assert_eq!(panel.wish, Some(Wish::Stop), "a new scene has no curve");
+    assert_eq!(panel.request, Some(JobRequest::Stop), "a new scene has no curve");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use egui_kittest::kittest::Queryable as _;
 use gelatin::app::theme::Theme;
-use gelatin::app::ui::work::{Wish, Work};
+use gelatin::app::ui::work::{JobRequest, Work};
 use gelatin::scene::body::CubeShape;
 use gelatin::scene::edit::{BodyId, Edit};
 use gelatin::scene::{Scene, Shape, presets};
@@ -27,7 +27,7 @@ fn found(size: [f32; 2], theme: Theme) -> Window {
     let mut window = Window::on(scene(), "small cube", size, theme);
     let modes = body_modes(&scene(), Path::new(""), BodyId(0), &Progress::default(), &|| ()).expect("modes");
     window.click("Modes");
-    window.harness.state_mut().ui.modes_panel.asked.work = Work::Ready(Box::new(Arc::new(modes)));
+    window.harness.state_mut().ui.modes_panel.job.work = Work::Ready(Box::new(Arc::new(modes)));
     window.wait();
     window
 }
@@ -42,12 +42,16 @@ fn they_are_found_when_asked_for_with_a_stop() {
     let mut window = Window::on(scene(), "small cube", [1280.0, 800.0], Theme::Dark);
     window.click("Modes");
     window.click("Find");
-    assert_eq!(window.harness.state().ui.modes_panel.asked.wish, Some(Wish::Begin), "the window starts the work");
-    let panel = &mut window.harness.state_mut().ui.modes_panel.asked;
-    (panel.wish, panel.work) = (None, Work::Running(Arc::new(Progress::default())));
+    assert_eq!(
+        window.harness.state().ui.modes_panel.job.request,
+        Some(JobRequest::Begin),
+        "the window starts the work"
+    );
+    let panel = &mut window.harness.state_mut().ui.modes_panel.job;
+    (panel.request, panel.work) = (None, Work::Running(Arc::new(Progress::default())));
     window.harness.run_steps(2);
     window.click("Stop");
-    assert_eq!(window.harness.state().ui.modes_panel.asked.wish, Some(Wish::Stop));
+    assert_eq!(window.harness.state().ui.modes_panel.job.request, Some(JobRequest::Stop));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers, Pos2, Rect};
 use gelatin::app::preferences::{Folders, Preferences};
 use gelatin::app::theme::Theme;
-use gelatin::app::ui::{Below, Panels, Widths};
+use gelatin::app::ui::{BottomPanel, Panels, Widths};
 
 use crate::live::Window;
 
@@ -77,16 +77,16 @@ fn an_edge_lies_beside_the_view_not_over_it() {
 fn what_was_arranged_is_arranged_again() {
     let preferences = Preferences {
         theme: Theme::Light,
-        panels: Panels { tree: true, inspector: true, below: Some(Below::Cost) },
+        panels: Panels { tree: true, inspector: true, below: Some(BottomPanel::Cost) },
         widths: Widths { list: 230.0, values: 380.0 },
         zoom: 1.0,
         folders: Folders { scene: Some("/home/a".into()), model: Some("/home/b".into()) },
     };
     let mut window = Window::open("cube-on-plane");
     let usual = view(&window);
-    window.harness.state_mut().ui.arrange(&preferences);
+    window.harness.state_mut().ui.apply_preferences(&preferences);
     window.wait();
     let now = view(&window);
     assert!(now.left() > usual.left() && now.right() < usual.right() && now.height() < usual.height(), "{now}");
-    assert_eq!(window.harness.state().ui.arrangement(1.0), preferences);
+    assert_eq!(window.harness.state().ui.preferences(1.0), preferences);
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use egui::{Pos2, Rect};
 use egui_kittest::kittest::Queryable as _;
 use gelatin::app::theme::Theme;
-use gelatin::app::ui::work::{Wish, Work};
+use gelatin::app::ui::work::{JobRequest, Work};
 use gelatin::geometry::Watch as _;
 use gelatin::scene::body::CubeShape;
 use gelatin::scene::edit::{BodyId, Edit};
@@ -137,15 +137,19 @@ fn a_click_takes_the_values_of_a_place_and_undo_takes_them_back() {
 fn a_map_is_measured_when_asked_for_with_progress_and_a_stop() {
     let mut window = open(scene(), [1280.0, 800.0], Theme::Dark);
     window.click("Measure");
-    assert_eq!(window.harness.state().ui.stability_panel.wish, Some(Wish::Begin), "the window starts the work");
+    assert_eq!(
+        window.harness.state().ui.stability_panel.request,
+        Some(JobRequest::Begin),
+        "the window starts the work"
+    );
     let progress = Arc::new(Progress::default());
     progress.progress(0.4);
     let panel = &mut window.harness.state_mut().ui.stability_panel;
-    (panel.wish, panel.work) = (None, Work::Running(progress));
+    (panel.request, panel.work) = (None, Work::Running(progress));
     window.harness.run_steps(2);
     assert!(window.has("Computing: 40 %"), "how far it is");
     window.click("Stop");
-    assert_eq!(window.harness.state().ui.stability_panel.wish, Some(Wish::Stop));
+    assert_eq!(window.harness.state().ui.stability_panel.request, Some(JobRequest::Stop));
 }
 
 #[test]
@@ -160,7 +164,7 @@ fn what_was_measured_is_shown_for_its_own_scene_alone() {
     let mut window = measured([1280.0, 800.0], Theme::Dark);
     window.choose("Scene", "tree");
     window.wait();
-    assert_eq!(window.harness.state().ui.stability_panel.wish, Some(Wish::Stop), "a new scene has no map");
+    assert_eq!(window.harness.state().ui.stability_panel.request, Some(JobRequest::Stop), "a new scene has no map");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable;
 use gelatin::app::hand::Target;
 use gelatin::app::theme::Theme;
 use gelatin::app::ui::Framing;
-use gelatin::app::ui::files::{FileAction, PathUse, Wish, Work};
+use gelatin::app::ui::files::{FileAction, FileRequest, PathUse, Work};
 use gelatin::scene::body::ModelShape;
 use gelatin::scene::edit::{BodyId, ObstacleId};
 use gelatin::scene::obstacle::Motion;
@@ -97,9 +97,9 @@ fn a_body_is_filled_anew_once_a_person_has_seen_what_becomes_of_it() {
 /// Makes the body that the assistant asks for.
 fn jellify_again(window: &mut Window) -> Wanted {
     window.harness.run_steps(60);
-    let wishes = std::mem::take(&mut window.harness.state_mut().ui.files.wishes);
-    let asked = wishes.into_iter().find_map(|wish| match wish {
-        Wish::Jellify(wanted) => Some(*wanted),
+    let requests = std::mem::take(&mut window.harness.state_mut().ui.files.requests);
+    let asked = requests.into_iter().find_map(|request| match request {
+        FileRequest::Jellify(wanted) => Some(*wanted),
         _ => None,
     });
     let wanted = asked.expect("the work is asked for");

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-use gelatin::app::worker::{Ended, Observed, Sandbox, Snapshot, Worker};
+use gelatin::app::worker::{Observed, Sandbox, Snapshot, Worker, WorkerError};
 use gelatin::scene::Scene;
 use gelatin::session::progress::Progress;
 use gelatin::session::step_gate::StepGate;
@@ -129,10 +129,10 @@ impl Bench {
         panic!("no such snapshot within {PATIENCE:?}");
     }
 
-    fn wait_for_end(&self) -> Ended {
+    fn wait_for_end(&self) -> WorkerError {
         let until = Instant::now() + PATIENCE;
         while let Ok(()) = self.wakes.recv_timeout(until.saturating_duration_since(Instant::now())) {
-            if let Some(ended) = self.worker.take_ended() {
+            if let Some(ended) = self.worker.take_error() {
                 return ended;
             }
         }

@@ -23,7 +23,7 @@ use winit::window::Window;
 
 use self::inset::Inset;
 use self::layer::{Layer, pixels, scaled};
-pub use self::outcome::{CanvasError, Shown};
+pub use self::outcome::{CanvasError, FrameOutcome};
 use self::surface::{Answer, Surface};
 use super::input::ViewRect;
 use crate::render::compose::Layers;
@@ -199,7 +199,7 @@ impl Canvas {
 
     /// Draws the changed parts of a frame and shows it. On a processor, it returns when the drawing is done: the time that
     /// it takes is the cost of the frame.
-    pub fn show(&mut self, frame: &Frame<'_>) -> Result<Shown, CanvasError> {
+    pub fn show(&mut self, frame: &Frame<'_>) -> Result<FrameOutcome, CanvasError> {
         self.gpu.check()?;
         let (output, suboptimal) = match self.surface.texture(&self.gpu)? {
             Answer::Texture { output, suboptimal } => (output, suboptimal),
@@ -219,7 +219,7 @@ impl Canvas {
         if suboptimal {
             self.surface.resize(&self.gpu);
         }
-        Ok(Shown::Presented)
+        Ok(FrameOutcome::Presented)
     }
 
     /// Draws a picture of `size` pixels for the panels. It has a new texture, so that panels with the picture count as

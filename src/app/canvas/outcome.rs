@@ -32,11 +32,11 @@ pub enum CanvasError {
 
 /// The outcome of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
+pub enum FrameOutcome {
     /// It is on the screen.
     Presented,
     /// It is not on the screen; the next one may be.
-    Again,
+    Retry,
     /// Nobody could see it: the window is minimised, empty or covered.
     Unseen,
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use winit::dpi::PhysicalSize;
 use winit::window::Window;
 
-use super::outcome::{CanvasError, Shown};
+use super::outcome::{CanvasError, FrameOutcome};
 use crate::render::Gpu;
 
 /// The number of refusals in a row after which drawing is given up.
@@ -25,7 +25,7 @@ pub(super) enum Answer {
     /// A texture to draw on. If `suboptimal`, the surface wants another configuration afterwards.
     Texture { output: wgpu::SurfaceTexture, suboptimal: bool },
     /// No texture this time.
-    Nothing(Shown),
+    Nothing(FrameOutcome),
 }
 
 impl Surface {
@@ -61,13 +61,13 @@ impl Surface {
     pub(super) fn texture(&mut self, gpu: &Gpu) -> Result<Answer, CanvasError> {
         let PhysicalSize { width, height } = self.window.inner_size();
         if width == 0 || height == 0 || self.window.is_minimized() == Some(true) {
-            return Ok(Answer::Nothing(Shown::Unseen));
+            return Ok(Answer::Nothing(FrameOutcome::Unseen));
         }
         let answer = match self.handle.get_current_texture() {
             wgpu::CurrentSurfaceTexture::Success(output) => Answer::Texture { output, suboptimal: false },
             wgpu::CurrentSurfaceTexture::Suboptimal(output) => Answer::Texture { output, suboptimal: true },
             wgpu::CurrentSurfaceTexture::Timeout => return self.refused(),
-            wgpu::CurrentSurfaceTexture::Occluded => return Ok(Answer::Nothing(Shown::Unseen)),
+            wgpu::CurrentSurfaceTexture::Occluded => return Ok(Answer::Nothing(FrameOutcome::Unseen)),
             wgpu::CurrentSurfaceTexture::Outdated => {
                 self.resize(gpu);
                 return self.refused();
@@ -88,7 +88,7 @@ impl Surface {
 
     fn refused(&mut self) -> Result<Answer, CanvasError> {
         self.refusals += 1;
-        if self.refusals > MAX_REFUSALS { Err(CanvasError::Refused) } else { Ok(Answer::Nothing(Shown::Again)) }
+        if self.refusals > MAX_REFUSALS { Err(CanvasError::Refused) } else { Ok(Answer::Nothing(FrameOutcome::Retry)) }
     }
 
     fn renew(&mut self, gpu: &Gpu) -> Result<(), CanvasError> {

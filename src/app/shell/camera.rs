@@ -11,7 +11,7 @@ use crate::scene::placement::Look;
 
 /// How many times farther away the eye may go to show a new thing beside what was seen. If that is not enough, the new thing
 /// is shown alone.
-const FARTHEST: f32 = 3.0;
+const MAX_PULL_BACK: f32 = 3.0;
 
 impl Shell {
     /// Carries out a move of the camera that a hand or a key asked for.
@@ -46,7 +46,7 @@ impl Shell {
             }
             (Framing::Arrived, Some(chosen)) => {
                 self.orbit.pull_back(chosen, area);
-                if self.orbit.distance > FARTHEST * before.distance {
+                if self.orbit.distance > MAX_PULL_BACK * before.distance {
                     self.orbit = before;
                     self.orbit.frame_above(floor, chosen, area);
                 }

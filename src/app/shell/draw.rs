@@ -9,22 +9,22 @@ use winit::event_loop::ActiveEventLoop;
 
 use super::drawing::{Drawing, Due};
 use super::{Shell, ShellError};
-use crate::app::canvas::{CanvasError, Detail, Frame, Panels, Shown};
+use crate::app::canvas::{CanvasError, Detail, Frame, FrameOutcome, Panels};
 use crate::app::damage::{self, damage};
 use crate::app::frame_meter::DrawingCost;
+use crate::app::frame_pacer::{FrameTiming, Reason};
 use crate::app::handles::Chosen;
-use crate::app::pace::{Drawn, Reason};
-use crate::app::picture_rule::{self, Decision};
-use crate::app::ui::files::InsetWish;
+use crate::app::redraw_policy::{self, Decision};
+use crate::app::ui::files::InsetRequest;
 use crate::app::{hand, input::ViewRect};
 use crate::extract;
 use crate::view::axes::axes;
 use crate::view::{Change, Overlay};
 
 /// The time before a frame that the surface refused is tried again.
-const RETRY: Duration = Duration::from_millis(30);
+const RETRY_DELAY: Duration = Duration::from_millis(30);
 /// The time between two reports of the cost of drawing to the worker.
-const TELL: Duration = Duration::from_millis(500);
+const REPORT_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Panels that differ from those on the screen.
 struct NewPanels {
@@ -35,7 +35,7 @@ struct NewPanels {
 
 /// The role of the view's picture in a frame.
 #[derive(Clone, Copy, Debug)]
-enum Picture {
+enum PictureAction {
     /// The next frame draws it alone.
     PutOff,
     /// The picture on the screen stays; the decision is made again at this time, if any.
@@ -56,8 +56,8 @@ impl Shell {
         if due > Instant::now() {
             return Some(due);
         }
-        if !self.drawing.requested {
-            self.drawing.requested = true;
+        if !self.drawing.frame_requested {
+            self.drawing.frame_requested = true;
             self.window.request_redraw();
         }
         None
@@ -66,7 +66,7 @@ impl Shell {
     /// Draws what is due. While a person waits for it and a processor draws, the worker takes no steps.
     pub(super) fn draw(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
         let Drawing { panels_due, picture_due, .. } = &self.drawing;
-        if self.canvas.is_software() && (panels_due.awaited || picture_due.awaited) {
+        if self.canvas.is_software() && (panels_due.is_urgent || picture_due.is_urgent) {
             self.worker.hold();
         }
         let drawn = self.draw_frame(event_loop);
@@ -77,9 +77,9 @@ impl Shell {
     fn draw_frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
         let begin = Instant::now();
         // A frame that the system requests shows everything again.
-        let exposed = !std::mem::take(&mut self.drawing.requested);
+        let exposed = !std::mem::take(&mut self.drawing.frame_requested);
         let run = exposed || self.drawing.panels_due.at.is_some_and(|at| at <= begin) || self.canvas.needs_panels();
-        let awaited = self.drawing.panels_due.awaited;
+        let is_urgent = self.drawing.panels_due.is_urgent;
         if run && let Err(error) = self.draw_inset() {
             return self.recover(event_loop, error);
         }
@@ -87,17 +87,17 @@ impl Shell {
         let panels = output.as_mut().and_then(|output| self.changed_panels(output));
         let view = self.view();
         let whole = exposed || self.canvas.needs_picture(view);
-        let picture = if panels.is_some() && awaited && !whole && self.picture_can_wait() {
-            Picture::PutOff
+        let picture = if panels.is_some() && is_urgent && !whole && self.picture_can_wait() {
+            PictureAction::PutOff
         } else {
             self.prepare_picture(view, begin)
         };
         let mut textures = output.map(|output| output.textures_delta).unwrap_or_default();
         self.canvas.update_textures(&mut textures);
         let draw_list = self.snapshot.as_ref().map(|snapshot| &snapshot.draw_list);
-        let shown = if exposed || panels.is_some() || matches!(picture, Picture::Draw(_)) {
+        let shown = if exposed || panels.is_some() || matches!(picture, PictureAction::Draw(_)) {
             let frame = Frame {
-                picture: if let Picture::Draw(detail) = picture { draw_list.zip(Some(detail)) } else { None },
+                picture: if let PictureAction::Draw(detail) = picture { draw_list.zip(Some(detail)) } else { None },
                 view,
                 panels: panels.as_ref().map(|NewPanels { primitives, parts }| Panels {
                     primitives,
@@ -111,13 +111,13 @@ impl Shell {
         };
         self.canvas.free_textures(&mut textures);
         match shown {
-            Ok(Some(Shown::Presented)) => self.on_presented(begin, picture),
+            Ok(Some(FrameOutcome::Presented)) => self.on_presented(begin, picture),
             Ok(None) => self.on_picture(picture, begin),
-            Ok(Some(Shown::Again)) => {
+            Ok(Some(FrameOutcome::Retry)) => {
                 self.drawing.shapes = Vec::new();
-                self.drawing.panels_due.ask(begin + RETRY, Reason::Input);
+                self.drawing.panels_due.ask(begin + RETRY_DELAY, Reason::Input);
             }
-            Ok(Some(Shown::Unseen)) => {
+            Ok(Some(FrameOutcome::Unseen)) => {
                 (self.drawing.panels_due, self.drawing.picture_due) = (Due::default(), Due::default());
                 (self.drawing.shapes, self.changed) = (Vec::new(), false);
             }
@@ -128,7 +128,7 @@ impl Shell {
 
     /// Draws the picture that the panels want to contain.
     fn draw_inset(&mut self) -> Result<(), CanvasError> {
-        if let Some(InsetWish { draw_list, size }) = self.ui.files.take_inset() {
+        if let Some(InsetRequest { draw_list, size }) = self.ui.files.take_inset() {
             let texture = self.canvas.draw_inset(&draw_list, size)?;
             self.ui.files.inset_drawn(Some(texture));
         }
@@ -138,45 +138,47 @@ impl Shell {
     /// Whether panels that a person waits for are drawn without the picture, which takes longer and is drawn in the next
     /// frame.
     fn picture_can_wait(&self) -> bool {
-        self.canvas.is_software() && !self.drawing.picture_due.awaited && !self.drawing.put_off
+        self.canvas.is_software() && !self.drawing.picture_due.is_urgent && !self.drawing.put_off
     }
 
-    fn on_presented(&mut self, begin: Instant, picture: Picture) {
+    fn on_presented(&mut self, begin: Instant, picture: PictureAction) {
         let end = Instant::now();
         log::trace!("a frame is on the screen after {:?}: {picture:?}", end - begin);
-        let work = self.drawing.processors.taken(self.worker.spent()).min(end - begin);
-        let frame = Drawn { begin, end, work };
+        let work = self.drawing.processor_meter.used_since_last_call(self.worker.processor_time()).min(end - begin);
+        let frame = FrameTiming { begin, end, work };
         self.drawing.meter.note(frame);
-        let moving = matches!(picture, Picture::Draw(Detail::Quick { .. }));
+        let moving = matches!(picture, PictureAction::Draw(Detail::Quick { .. }));
         let behind = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.status.behind);
-        self.drawing.pace.drawn(frame, moving, behind);
-        if let Picture::Draw(_) = picture {
+        self.drawing.pacer.note_frame(frame, moving, behind);
+        if let PictureAction::Draw(_) = picture {
             self.drawing.picture = self.snapshot.as_ref().map(|snapshot| snapshot.draw_list.clone());
-            self.drawing.rule.note_drawn(end);
+            self.drawing.redraw_policy.note_drawn(end);
         }
         self.on_picture(picture, end);
-        if end - self.drawing.told >= TELL {
-            self.drawing.told = end;
-            self.tell();
+        if end - self.drawing.last_report >= REPORT_INTERVAL {
+            self.drawing.last_report = end;
+            self.report_cost();
         }
     }
 
     /// Sets when to look at the picture again.
-    fn on_picture(&mut self, picture: Picture, now: Instant) {
-        self.drawing.put_off = matches!(picture, Picture::PutOff);
+    fn on_picture(&mut self, picture: PictureAction, now: Instant) {
+        self.drawing.put_off = matches!(picture, PictureAction::PutOff);
         let again = match picture {
-            Picture::PutOff => return,
-            Picture::Keep(again) => again,
-            Picture::Draw(_) => self.drawing.rule.refines(self.input.dragging(), self.canvas.is_fine(), now),
+            PictureAction::PutOff => return,
+            PictureAction::Keep(again) => again,
+            PictureAction::Draw(_) => {
+                self.drawing.redraw_policy.refine_time(self.input.dragging(), self.canvas.is_fine(), now)
+            }
         };
-        self.drawing.picture_due = Due { at: again, awaited: false };
+        self.drawing.picture_due = Due { at: again, is_urgent: false };
         self.changed = false;
     }
 
     /// Tells the worker the cost of drawing.
-    fn tell(&self) {
+    fn report_cost(&self) {
         let cost = self.drawing.cost();
-        self.worker.set_drawing(self.drawing.pace.interval(), cost.share);
+        self.worker.set_drawing(self.drawing.pacer.interval(), cost.share);
         if let Some(snapshot) = &self.snapshot {
             let DrawingCost { frames_per_sec, secs_per_frame, share, scale } = cost;
             let factor = snapshot.status.real_time_factor;
@@ -193,12 +195,12 @@ impl Shell {
         let now = Instant::now();
         (self.drawing.panels_due, self.drawing.panels_ran) = (Due::default(), now);
         let mut output = self.lay_out_panels();
-        self.grant_wishes(event_loop);
+        self.handle_requests(event_loop);
         let platform_output = std::mem::take(&mut output.platform_output);
         self.egui.handle_platform_output_with_event_loop(&self.window, event_loop, platform_output);
         let delay = output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |root| root.repaint_delay);
         if let Some(again) = now.checked_add(delay) {
-            let paced = self.drawing.pace.due(Reason::Motion, now).max(again);
+            let paced = self.drawing.pacer.due(Reason::Motion, now).max(again);
             self.drawing.panels_due.ask(paced, Reason::Motion);
         }
         self.ask_for_long_work();
@@ -207,7 +209,7 @@ impl Shell {
 
     /// The panels to draw, if they differ from those on the screen.
     fn changed_panels(&mut self, output: &mut FullOutput) -> Option<NewPanels> {
-        if !self.drawing.are_new(output) && !self.canvas.needs_panels() {
+        if !self.drawing.panels_differ(output) && !self.canvas.needs_panels() {
             return None;
         }
         let shapes = std::mem::take(&mut output.shapes);
@@ -224,15 +226,15 @@ impl Shell {
     }
 
     /// Completes the picture and decides whether and how it is drawn.
-    fn prepare_picture(&mut self, view: ViewRect, now: Instant) -> Picture {
-        let sight = self.sight(self.input.pointer());
+    fn prepare_picture(&mut self, view: ViewRect, now: Instant) -> PictureAction {
+        let pointer_view = self.pointer_view(self.input.pointer());
         let points = self.pixels_per_point();
         let face = self.face_under_brush();
-        let Some(snapshot) = &mut self.snapshot else { return Picture::Keep(None) };
+        let Some(snapshot) = &mut self.snapshot else { return PictureAction::Keep(None) };
         let picture = &mut snapshot.draw_list;
         picture.camera = self.orbit.camera();
         picture.style = self.ui.theme.style();
-        picture.selected = self.ui.selection.and_then(|target| hand::place(&snapshot.scene, target));
+        picture.selected = self.ui.selection.and_then(|target| hand::selected(&snapshot.scene, target));
         // Strokes stay as wide as in the last picture until it is known how finely this one is drawn.
         let last = self.drawing.picture.as_ref().map_or(points, |picture| picture.overlay.scale);
         picture.overlay.scale = last;
@@ -246,27 +248,27 @@ impl Shell {
         }
         let colors = picture.style.overlay;
         let chosen = Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status);
-        self.handles.add_to(&mut picture.tools, chosen, &sight, &colors);
+        self.handles.add_to(&mut picture.tools, chosen, &pointer_view, &colors);
 
         let fits = !self.canvas.needs_picture(view);
         let old = self.drawing.picture.as_ref();
         let turned = old.is_some_and(|old| old.camera != picture.camera);
-        let sight = picture_rule::Sight {
+        let state = redraw_policy::PictureState {
             change: old.filter(|_| fits).map_or(Change::Things, |old| picture.change_since(old, view.size.y)),
             in_motion: snapshot.status.playing || turned,
             dragging: self.input.dragging(),
             fine: fits && self.canvas.is_fine(),
         };
-        let (detail, pixels) = match self.drawing.rule.decide(&sight, now) {
-            Decision::Keep(again) => return Picture::Keep(again),
+        let (detail, pixels) = match self.drawing.redraw_policy.decide(&state, now) {
+            Decision::Keep(again) => return PictureAction::Keep(again),
             Decision::Fine => (Detail::Fine, points),
             Decision::Quick => {
-                let scale = self.drawing.pace.scale();
+                let scale = self.drawing.pacer.scale();
                 (Detail::Quick { scale }, points * scale)
             }
         };
         (picture.overlay.scale, picture.tools.scale) = (pixels, pixels);
-        Picture::Draw(detail)
+        PictureAction::Draw(detail)
     }
 
     /// Asks for the drawing that a new snapshot needs.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Shell;
-use crate::app::background_job::Beside;
+use crate::app::background_job::JobControl;
 use crate::app::kept_file;
 use crate::session::wanted_modes::{find_modes, folder};
 
@@ -17,16 +17,16 @@ impl Shell {
         let of = self.ui.finding.of().map(Arc::clone);
         let work = || {
             let (of, folder) = (of?, folder(file.as_deref(), kept_file::cache_folder()));
-            Some(move |beside: Beside<'_>| {
-                find_modes(&scene, &base_dir, &of, folder.as_deref(), beside.progress, &|| ())
+            Some(move |control: JobControl<'_>| {
+                find_modes(&scene, &base_dir, &of, folder.as_deref(), control.progress, &|| ())
             })
         };
-        self.awaited_job.grant(&mut self.ui.finding.asked, work, wake);
+        self.awaited_job.handle_request(&mut self.ui.finding.job, work, wake);
     }
 
     /// Passes the result on to the sandbox.
     pub(super) fn answer_awaited_modes(&mut self) {
-        self.awaited_job.answer(&mut self.ui.finding.asked);
+        self.awaited_job.answer(&mut self.ui.finding.job);
         if let Some(command) = self.ui.finding.take() {
             self.send(command);
         }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::Shell;
-use crate::app::pace::Reason;
+use crate::app::frame_pacer::Reason;
 use crate::app::ui::{self, Running};
 use crate::app::worker::Snapshot;
 use crate::extract;
@@ -43,7 +43,7 @@ impl Shell {
         }
         // The width of an edge is not final while it is dragged.
         if !self.context.input(|input| input.pointer.any_down()) {
-            self.preferences.keep(self.ui.arrangement(self.context.zoom_factor()));
+            self.preferences.keep(self.ui.preferences(self.context.zoom_factor()));
         }
         output
     }
@@ -56,7 +56,7 @@ impl Shell {
 
     /// Runs the panels when work on the worker begins to count as long, so that they show it.
     pub(super) fn ask_for_long_work(&mut self) {
-        if let Some(at) = self.worker.told_at() {
+        if let Some(at) = self.worker.report_time() {
             self.drawing.panels_due.ask(at, Reason::Input);
         }
     }

@@ -6,9 +6,9 @@ use winit::window::Fullscreen;
 use super::Shell;
 use super::panels::running;
 use crate::app::hand::{self, Target};
-use crate::app::handles::{self, Chosen, Sight};
+use crate::app::handles::{self, Chosen, PointerView};
 use crate::app::input::{Action, ChosenAction, Event, Keyboard, Panel, Situation};
-use crate::app::ui::{self, Below, Brush};
+use crate::app::ui::{self, BottomPanel, Brush};
 use crate::session::{CellTouch, Command};
 use crate::view::legend::three_digits;
 use crate::view::{Hit, Ray, Thing};
@@ -41,7 +41,10 @@ impl Shell {
 
     fn is_holdable(&self, pixel: Vec2) -> bool {
         let Some(snapshot) = &self.snapshot else { return false };
-        if handles::is_on_handle(Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status), &self.sight(pixel)) {
+        if handles::is_on_handle(
+            Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status),
+            &self.pointer_view(pixel),
+        ) {
             return true;
         }
         hand::target(&snapshot.scene, &snapshot.draw_list, &self.ray(pixel))
@@ -94,9 +97,9 @@ impl Shell {
     }
 
     /// The view as it is seen, with the pointer at a pixel of the window.
-    pub(super) fn sight(&self, pixel: Vec2) -> Sight {
+    pub(super) fn pointer_view(&self, pixel: Vec2) -> PointerView {
         let (view, scale) = (self.view(), self.pixels_per_point());
-        Sight { camera: self.orbit.camera(), size: view.size / scale, pointer: (pixel - view.origin) / scale }
+        PointerView { camera: self.orbit.camera(), size: view.size / scale, pointer: (pixel - view.origin) / scale }
     }
 
     /// The scalar shown at the point of the jelly under the pointer, with its unit; empty if there is none.
@@ -121,9 +124,9 @@ impl Shell {
     /// Highlights the handle under the pointer, or the face under the brush.
     pub(super) fn hover(&mut self) {
         self.changed |= self.ui.brush.is_some();
-        let sight = self.sight(self.input.pointer());
+        let pointer_view = self.pointer_view(self.input.pointer());
         if let Some(snapshot) = &self.snapshot
-            && self.handles.hover(Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status), &sight)
+            && self.handles.hover(Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status), &pointer_view)
         {
             self.changed = true;
         }
@@ -145,10 +148,10 @@ impl Shell {
             }
             Action::TogglePanel(Panel::Tree) => self.ui.panels.tree ^= true,
             Action::TogglePanel(Panel::Inspector) => self.ui.panels.inspector ^= true,
-            Action::TogglePanel(Panel::Cost) => self.ui.panels.toggle(Below::Cost),
-            Action::TogglePanel(Panel::Error) => self.ui.panels.toggle(Below::Error),
-            Action::TogglePanel(Panel::Stability) => self.ui.panels.toggle(Below::Stability),
-            Action::TogglePanel(Panel::Modes) => self.ui.panels.toggle(Below::Modes),
+            Action::TogglePanel(Panel::Cost) => self.ui.panels.toggle(BottomPanel::Cost),
+            Action::TogglePanel(Panel::Error) => self.ui.panels.toggle(BottomPanel::Error),
+            Action::TogglePanel(Panel::Stability) => self.ui.panels.toggle(BottomPanel::Stability),
+            Action::TogglePanel(Panel::Modes) => self.ui.panels.toggle(BottomPanel::Modes),
             Action::ToggleKeys => self.ui.keys_open = !self.ui.keys_open,
             Action::ToggleFullScreen => self.toggle_full_screen(),
             Action::Close => self.close_one(),
@@ -200,9 +203,9 @@ impl Shell {
     }
 
     fn take(&mut self, pixel: Vec2) {
-        let sight = self.sight(pixel);
+        let pointer_view = self.pointer_view(pixel);
         let Some(snapshot) = &self.snapshot else { return };
-        if self.handles.take(Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status), &sight) {
+        if self.handles.take(Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status), &pointer_view) {
             self.drag(self.input.pointer());
             return;
         }
@@ -217,7 +220,7 @@ impl Shell {
         let Some(snapshot) = &self.snapshot else { return };
         let ray = self.ray(pixel);
         let command = if self.handles.holds() {
-            self.handles.drag(self.sight(pixel).pointer)
+            self.handles.drag(self.pointer_view(pixel).pointer)
         } else {
             self.hand.drag(&snapshot.scene, &ray)
         };

@@ -17,11 +17,11 @@ use crate::scene::{Body, Obstacle, ObstacleShape, Scene, Shape};
 use crate::session::Command;
 
 /// The height at which a new body starts above its support, in its own sizes.
-const DROP: f64 = 0.2;
+const DROP_HEIGHT: f64 = 0.2;
 /// The slope of a new plane, degrees about z.
 const SLOPE_DEG: f64 = -15.0;
 /// A plane larger than this many times its surroundings is a floor; a duplicate goes beside it.
-const FLOOR: f64 = 4.0;
+const MIN_FLOOR_RATIO: f64 = 4.0;
 /// The length of a new mesh, in usual sizes of things.
 const MESH_SIZE: f64 = 1.5;
 
@@ -91,7 +91,7 @@ pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, comman
                 Shape::Cube(_) => Some(body.material.clone()),
                 _ => None,
             });
-            let position = within(there.place(state.look, DVec3::splat(size), DROP * size));
+            let position = within(there.place(state.look, DVec3::splat(size), DROP_HEIGHT * size));
             let body = Body {
                 name: "Cube".to_owned(),
                 shape: Shape::Cube(CubeShape { size, ..CubeShape::default() }),
@@ -136,7 +136,7 @@ pub(super) fn duplicate(target: Target, running: Running<'_>, state: &mut UiStat
             if let Some(original) = running.status.bodies.get(id.0) {
                 let at = if original.gone { state.look.at } else { original.center.into() };
                 let size = DVec3::from(original.start_size);
-                let above = DROP * size.max_element();
+                let above = DROP_HEIGHT * size.max_element();
                 body.pose.position = within(there.place(Look { at, ..state.look }, size, above));
             }
             add_body(body, scene, state, commands);
@@ -146,7 +146,7 @@ pub(super) fn duplicate(target: Target, running: Running<'_>, state: &mut UiStat
             let shape = &mut obstacle.shape;
             let size = shape.bounds().size();
             match shape {
-                ObstacleShape::Plane(plane) if size.max_element() > FLOOR * usual_size(scene) => {
+                ObstacleShape::Plane(plane) if size.max_element() > MIN_FLOOR_RATIO * usual_size(scene) => {
                     plane.center[0] += 2.2 * plane.half_extents[0];
                     plane.center = within(plane.center.into());
                 }

@@ -5,29 +5,29 @@ use super::Running;
 use crate::app::hand::Target;
 
 /// A change by at least this factor counts as far.
-const BY_FAR: f64 = 1.5;
+const MIN_SIZE_FACTOR: f64 = 1.5;
 
 /// The selected body at the last call, and its longest extent at rest then, m.
 #[derive(Debug, Default)]
 pub struct ChosenSize {
-    seen: Option<(Target, f64)>,
+    last: Option<(Target, f64)>,
 }
 
 impl ChosenSize {
     /// Notes the selected body. Returns whether it has become larger or smaller by far. While `a_hand_is_at_it`, its size is
     /// not final.
     pub(super) fn follow(&mut self, chosen: Option<(Target, f64)>, a_hand_is_at_it: bool) -> bool {
-        let before = self.seen.zip(chosen).filter(|((was, _), (is, _))| was == is).map(|((_, size), _)| size);
+        let before = self.last.zip(chosen).filter(|((was, _), (is, _))| was == is).map(|((_, size), _)| size);
         if before.is_some() && a_hand_is_at_it {
             return false;
         }
-        self.seen = chosen;
-        before.zip(chosen).is_some_and(|(before, (_, now))| before.max(now) >= BY_FAR * before.min(now))
+        self.last = chosen;
+        before.zip(chosen).is_some_and(|(before, (_, now))| before.max(now) >= MIN_SIZE_FACTOR * before.min(now))
     }
 }
 
 /// The selected body, if it is visible, and its size, m.
-pub(super) fn of(running: Running<'_>, chosen: Option<Target>) -> Option<(Target, f64)> {
+pub(super) fn size_of_selected(running: Running<'_>, chosen: Option<Target>) -> Option<(Target, f64)> {
     let target = chosen?;
     let Target::Body(id) = target else { return None };
     running.scene.bodies.get(id.0).filter(|body| !body.hidden)?;

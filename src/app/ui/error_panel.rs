@@ -7,7 +7,7 @@ use egui::Ui;
 
 use super::figure::{duration, length};
 use super::plot_panel::{Side, plot_panel_ui, say};
-use super::work::{Asked, Work};
+use super::work::{PanelJob, Work};
 use super::{Running, edits, theme};
 use crate::scene::MovesBy;
 use crate::scene::edit::Edit;
@@ -30,7 +30,7 @@ const MARKS: &str = "The ring is the present step. Filled points: nothing measur
 pub(super) fn error_panel_ui(
     ui: &mut Ui,
     running: Running<'_>,
-    panel: &mut Asked<ErrorCurve>,
+    panel: &mut PanelJob<ErrorCurve>,
     commands: &mut Vec<Command>,
 ) {
     let present = StepChoice::of(&running.scene.settings);

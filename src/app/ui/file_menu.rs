@@ -4,7 +4,7 @@ use egui::{Response, Ui};
 
 use super::UiState;
 use super::entry::menu_entry_ui;
-use super::files::{FileAction, Wish};
+use super::files::{FileAction, FileRequest};
 
 /// The File menu with its button.
 pub(super) fn file_menu_ui(ui: &mut Ui, state: &mut UiState) {
@@ -52,7 +52,7 @@ fn recent_ui(ui: &mut Ui, state: &mut UiState) {
             }
             ui.separator();
             if ui.button("Forget these").clicked() {
-                state.files.wishes.push(Wish::ForgetRecent);
+                state.files.requests.push(FileRequest::ForgetRecent);
                 ui.close();
             }
         });

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use egui::{Rect, RichText, Ui};
 
-use super::work::{Asked, Wish, Work};
+use super::work::{JobRequest, PanelJob, Work};
 use super::{card, theme, work};
 use crate::session::wanted_modes::{FoundModes, WantedModes};
 use crate::session::{Command, Status};
@@ -17,7 +17,7 @@ const BAR: f32 = 320.0;
 #[derive(Debug, Default)]
 pub struct Finding {
     /// The work and its progress.
-    pub asked: Asked<FoundModes>,
+    pub job: PanelJob<FoundModes>,
     /// The modes being computed.
     of: Option<Arc<WantedModes>>,
 }
@@ -27,8 +27,8 @@ impl Finding {
     pub fn follow(&mut self, awaited: Option<&Arc<WantedModes>>) {
         match (awaited, &self.of) {
             (Some(now), Some(of)) if now.is_alike(of) => {}
-            (Some(now), _) => (self.of, self.asked.wish) = (Some(Arc::clone(now)), Some(Wish::Begin)),
-            (None, Some(_)) => (self.of, self.asked.wish) = (None, Some(Wish::Stop)),
+            (Some(now), _) => (self.of, self.job.request) = (Some(Arc::clone(now)), Some(JobRequest::Begin)),
+            (None, Some(_)) => (self.of, self.job.request) = (None, Some(JobRequest::Stop)),
             (None, None) => {}
         }
     }
@@ -41,11 +41,11 @@ impl Finding {
     /// Takes the result, if the work has ended.
     pub fn take(&mut self) -> Option<Command> {
         let of = self.of.as_ref()?;
-        let found = match std::mem::replace(&mut self.asked.work, Work::Idle) {
+        let found = match std::mem::replace(&mut self.job.work, Work::Idle) {
             Work::Ready(found) => *found,
             Work::Failed(why) => of.refused(why),
             unfinished => {
-                self.asked.work = unfinished;
+                self.job.work = unfinished;
                 return None;
             }
         };
@@ -62,7 +62,7 @@ pub(super) fn finding_ui(ui: &Ui, status: &Status, finding: &Finding, free: &mut
             let title = format!("Finding the modes of {}", wanted.name);
             ui.label(RichText::new(title).color(theme::of(ui).strong).strong());
             ui.label(RichText::new("Time stands still until they are there.").color(theme::of(ui).weak));
-            if let Work::Running(progress) = &finding.asked.work {
+            if let Work::Running(progress) = &finding.job.work {
                 work::progress_ui(ui, progress, BAR);
             }
             ui.add_space(2.0);

@@ -9,9 +9,9 @@ use super::theme;
 /// The margins of a plot for numbers and titles, points: left, top, right, bottom.
 const MARGINS: [f32; 4] = [64.0, 8.0, 8.0, 36.0];
 /// From the lower edge of the plot down to the numbers, and to the title, points.
-const BELOW: [f32; 2] = [5.0, 20.0];
+const LABEL_OFFSETS: [f32; 2] = [5.0, 20.0];
 /// The most numbers along an axis without gaps.
-const MOST_NUMBERS: i32 = 7;
+const MAX_NUMBERS: i32 = 7;
 
 /// The axes of a plot.
 pub(super) struct LogAxes {
@@ -24,7 +24,7 @@ pub(super) struct LogAxes {
 }
 
 /// The labels of an axis.
-pub(super) struct Written<'a> {
+pub(super) struct AxisLabels<'a> {
     /// The quantity along the axis.
     pub(super) title: &'a str,
     /// The number at a decade.
@@ -33,7 +33,7 @@ pub(super) struct Written<'a> {
 
 impl LogAxes {
     /// The rectangle between the axes of a plot, with `names` points on the right left free for names.
-    pub(super) fn room(whole: Rect, names: f32) -> Rect {
+    pub(super) fn plot_area(whole: Rect, names: f32) -> Rect {
         let [left, top, right, bottom] = MARGINS;
         Rect::from_min_max(whole.min + vec2(left, top), whole.max - vec2(right + names, bottom))
     }
@@ -56,7 +56,7 @@ impl LogAxes {
     }
 
     /// Draws lines at the decades, with numbers and titles.
-    pub(super) fn draw(&self, ui: &Ui, below: &Written<'_>, beside: &Written<'_>) {
+    pub(super) fn draw(&self, ui: &Ui, below: &AxisLabels<'_>, beside: &AxisLabels<'_>) {
         let (painter, colors, font) = (ui.painter(), theme::of(ui), FontId::proportional(11.0));
         let line = Stroke::new(1.0, colors.line);
         let Self { inner, across, up } = self;
@@ -65,7 +65,13 @@ impl LogAxes {
             painter.vline(x, inner.y_range(), line);
             if is_numbered(across, exponent) {
                 let text = (below.number)(exponent);
-                painter.text(pos2(x, inner.bottom() + BELOW[0]), Align2::CENTER_TOP, text, font.clone(), colors.weak);
+                painter.text(
+                    pos2(x, inner.bottom() + LABEL_OFFSETS[0]),
+                    Align2::CENTER_TOP,
+                    text,
+                    font.clone(),
+                    colors.weak,
+                );
             }
         }
         for exponent in up.clone() {
@@ -76,7 +82,7 @@ impl LogAxes {
                 painter.text(pos2(inner.left() - 6.0, y), Align2::RIGHT_CENTER, text, font.clone(), colors.weak);
             }
         }
-        let under = pos2(inner.center().x, inner.bottom() + BELOW[1]);
+        let under = pos2(inner.center().x, inner.bottom() + LABEL_OFFSETS[1]);
         painter.text(under, Align2::CENTER_TOP, below.title, font.clone(), colors.weak);
         let corner = inner.right_top() + vec2(-4.0, 2.0);
         // The title is inside the plot, where the background may have any colour.
@@ -90,7 +96,7 @@ impl LogAxes {
 /// Whether a number is written at this decade: at every one, or at every second one if there are many.
 fn is_numbered(range: &RangeInclusive<i32>, exponent: i32) -> bool {
     let count = range.end() - range.start();
-    count < MOST_NUMBERS || (exponent - range.start()) % 2 == 0
+    count < MAX_NUMBERS || (exponent - range.start()) % 2 == 0
 }
 
 /// The whole decades around positive values; `None` if there are none.

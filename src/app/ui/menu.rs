@@ -5,7 +5,7 @@ use egui::{PopupCloseBehavior, RichText, Ui};
 
 use super::entry::menu_entry_ui;
 use super::words::capitalised;
-use super::{Below, Framing, Running, Shown, UiState, actions, color, edits, file_menu, theme, things};
+use super::{BottomPanel, Framing, Running, Shown, UiState, actions, color, edits, file_menu, theme, things};
 use crate::app::input::ChosenAction;
 use crate::app::theme::Theme;
 use crate::scene::edit::Edit;
@@ -89,10 +89,10 @@ fn view_ui(ui: &mut Ui, running: Option<Running<'_>>, state: &mut UiState, comma
     toggle_ui(ui, &mut state.panels.tree, "List of things", "T");
     toggle_ui(ui, &mut state.panels.inspector, "Values", "N");
     for (below, words, key) in [
-        (Below::Cost, "What a step costs", "C"),
-        (Below::Error, "Error of the steps", "E"),
-        (Below::Stability, "Map of stability", "M"),
-        (Below::Modes, "Modes of a body", "V"),
+        (BottomPanel::Cost, "What a step costs", "C"),
+        (BottomPanel::Error, "Error of the steps", "E"),
+        (BottomPanel::Stability, "Map of stability", "M"),
+        (BottomPanel::Modes, "Modes of a body", "V"),
     ] {
         let mut open = state.panels.below == Some(below);
         toggle_ui(ui, &mut open, words, key);

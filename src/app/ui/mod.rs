@@ -51,15 +51,15 @@ pub use color::color_command;
 pub use finding::Finding;
 pub use marked_box::MarkedBox;
 pub use modes_panel::ModesPanel;
-pub use panels::{Below, Panels};
+pub use panels::{BottomPanel, Panels};
 pub use shown::{Running, Shown};
 pub use state::{Brush, Framing, TooHeavy, UiState};
 pub use widths::Widths;
 
 /// Height of a panel above the time line, points.
-const BELOW_HEIGHT: f32 = 226.0;
+const BOTTOM_PANEL_HEIGHT: f32 = 226.0;
 /// The largest fraction of the window's height for a panel above the time line: the view keeps the rest.
-const BELOW_SHARE: f32 = 0.4;
+const MAX_BOTTOM_PANEL_SHARE: f32 = 0.4;
 
 /// All panels, around and over the view.
 pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
@@ -72,11 +72,11 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     egui::Panel::bottom("timeline").resizable(false).frame(theme::bar_frame(ui)).show(ui, |ui| {
         timeline::timeline_ui(ui, status, &mut state.panels, commands);
     });
-    below_panel_ui(ui, shown, state, commands);
+    bottom_panel_ui(ui, shown, state, commands);
     if let Some(running) = shown.running {
         state.follow(running.scene);
         let a_hand_is_at_it = ui.input(|input| input.pointer.any_down());
-        if state.chosen_size.follow(chosen_size::of(running, state.selection), a_hand_is_at_it) {
+        if state.chosen_size.follow(chosen_size::size_of_selected(running, state.selection), a_hand_is_at_it) {
             state.frame = Some(Framing::Chosen);
         }
         state.marked_box.begin();
@@ -113,42 +113,42 @@ pub fn panels_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: 
     // Nothing can be saved after a failure; unsaved changes are kept as a draft.
     let saved = if shown.failure.is_empty() { status } else { &idle };
     files::files_ui(ui, saved, shown.running, state, commands);
-    state.foresee(commands);
+    state.note_next_scene(commands);
 }
 
 /// The panel above the time line. Cost, stability and modes are watched only while they are shown.
-fn below_panel_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
+fn bottom_panel_ui(ui: &mut Ui, shown: &Shown<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(running) = shown.running else { return };
     let below = state.panels.below;
-    let counted = below == Some(Below::Cost);
+    let counted = below == Some(BottomPanel::Cost);
     if running.status.cost.is_some() != counted {
         commands.push(Command::WatchCost(counted));
     }
-    let stability = (below == Some(Below::Stability)).then(|| stability_panel::wanted(state.selection));
+    let stability = (below == Some(BottomPanel::Stability)).then(|| stability_panel::wanted(state.selection));
     if running.status.stability.as_ref().map(|shown| shown.of) != stability {
         commands.push(Command::WatchStability(stability));
     }
     let modes = &state.modes_panel;
-    let swing = (below == Some(Below::Modes)).then(|| modes.shown(running.scene)).flatten();
+    let swing = (below == Some(BottomPanel::Modes)).then(|| modes.shown(running.scene)).flatten();
     if running.status.swing != swing {
         commands.push(Command::ShowModes(swing));
     }
     let Some(below) = below else { return };
     let name = match below {
-        Below::Cost => "cost",
-        Below::Error => "error",
-        Below::Stability => "stability",
-        Below::Modes => "modes",
+        BottomPanel::Cost => "cost",
+        BottomPanel::Error => "error",
+        BottomPanel::Stability => "stability",
+        BottomPanel::Modes => "modes",
     };
-    let height = BELOW_HEIGHT.min(BELOW_SHARE * ui.available_height());
+    let height = BOTTOM_PANEL_HEIGHT.min(MAX_BOTTOM_PANEL_SHARE * ui.available_height());
     let panel = egui::Panel::bottom(name).resizable(false).exact_size(height);
     panel.frame(theme::bar_frame(ui)).show(ui, |ui| match below {
-        Below::Cost => cost::cost_ui(ui, running.status, shown.drawing),
-        Below::Error => error_panel::error_panel_ui(ui, running, &mut state.error_panel, commands),
-        Below::Stability => {
+        BottomPanel::Cost => cost::cost_ui(ui, running.status, shown.drawing),
+        BottomPanel::Error => error_panel::error_panel_ui(ui, running, &mut state.error_panel, commands),
+        BottomPanel::Stability => {
             stability_panel::stability_panel_ui(ui, running, &mut state.stability_panel, commands);
         }
-        Below::Modes => modes_panel::modes_panel_ui(ui, running, state.selection, &mut state.modes_panel),
+        BottomPanel::Modes => modes_panel::modes_panel_ui(ui, running, state.selection, &mut state.modes_panel),
     });
 }
 

@@ -7,7 +7,7 @@ use egui::{Grid, Label, RichText, ScrollArea, Slider, Ui, vec2};
 
 use super::icon::{Icon, icon_button_ui};
 use super::plot_panel::{Side, plot_panel_ui, say};
-use super::work::{Asked, Work};
+use super::work::{PanelJob, Work};
 use super::{Running, theme, things};
 use crate::app::hand::Target;
 use crate::scene::Scene;
@@ -23,16 +23,16 @@ const WHAT: &str = "How a body swings about rest, and how often in a second. Com
 const LINEAR: &str = "Linear: right for small motion; where a part turns far it looks wrong, it grows.";
 
 /// The largest displacement by a mode, and that of a played mode whose slider is at rest, % of the body's size.
-const MOST: f64 = 20.0;
-const PLAYED: f64 = 10.0;
+const MAX_AMPLITUDE_PERCENT: f64 = 20.0;
+const PLAYED_AMPLITUDE_PERCENT: f64 = 10.0;
 /// Width of a slider, points.
-const TRACK: f32 = 180.0;
+const SLIDER_WIDTH: f32 = 180.0;
 
 /// The memory of the panel.
 #[derive(Debug, Default)]
 pub struct ModesPanel {
     /// The modes, with the progress of the work on them.
-    pub asked: Asked<Arc<BodyModes>>,
+    pub job: PanelJob<Arc<BodyModes>>,
     /// The modes shown in the view.
     swing: Option<Swing>,
 }
@@ -48,22 +48,22 @@ pub(super) fn body_of(selection: Option<Target>) -> BodyId {
 impl ModesPanel {
     /// Forgets the modes when another scene is opened.
     pub(super) fn forget(&mut self) {
-        self.asked.forget();
+        self.job.forget();
         self.swing = None;
     }
 
     /// The modes to be shown in the view; `None` while all are at rest.
     pub(super) fn shown(&self, scene: &Scene) -> Option<Swing> {
         let moves = |swing: &&Swing| swing.played.is_some() || swing.amplitudes.iter().any(|share| share.abs() > 0.0);
-        let of_work = |swing: &&Swing| matches!(&self.asked.work, Work::Ready(of) if Arc::ptr_eq(of, &swing.of));
+        let of_work = |swing: &&Swing| matches!(&self.job.work, Work::Ready(of) if Arc::ptr_eq(of, &swing.of));
         self.swing.as_ref().filter(moves).filter(of_work).filter(|swing| swing.of.is_of(scene)).cloned()
     }
 }
 
 /// The panel.
 pub(super) fn modes_panel_ui(ui: &mut Ui, running: Running<'_>, selection: Option<Target>, panel: &mut ModesPanel) {
-    let ModesPanel { asked, swing } = panel;
-    if let Work::Ready(of) = &asked.work
+    let ModesPanel { job, swing } = panel;
+    if let Work::Ready(of) = &job.work
         && swing.as_ref().is_none_or(|swing| !Arc::ptr_eq(&swing.of, of))
     {
         *swing = Some(Swing { of: Arc::clone(of), amplitudes: vec![0.0; of.modes.modes.len()], played: None });
@@ -72,7 +72,7 @@ pub(super) fn modes_panel_ui(ui: &mut Ui, running: Running<'_>, selection: Optio
     plot_panel_ui(
         ui,
         &SIDE,
-        asked,
+        job,
         |ui, work| words_ui(ui, running, selection, words.as_ref(), work),
         |ui, work| {
             if let (Work::Ready(of), Some(swing)) = (work, swing)
@@ -147,7 +147,7 @@ fn list_ui(ui: &mut Ui, swing: &mut Swing) {
                 if icon_button_ui(ui, icon, &format!("{verb} {name}"), "", swings).clicked() {
                     swing.played = (!plays).then_some(number);
                     if !plays && share.abs() <= 0.0 {
-                        *share = PLAYED / 100.0;
+                        *share = PLAYED_AMPLITUDE_PERCENT / 100.0;
                     }
                 }
                 let hertz = if swings { format!("{} Hz", three_digits(mode.frequency_hz)) } else { "loose".to_owned() };
@@ -157,8 +157,12 @@ fn list_ui(ui: &mut Ui, swing: &mut Swing) {
                     .map(|ratio| format!("{} of the damping at which it would not swing", three_digits(ratio)));
                 ui.add(Label::new(words).extend()).on_hover_text(damped.unwrap_or_default());
                 let mut percent = 100.0 * *share;
-                ui.spacing_mut().slider_width = TRACK;
-                let track = ui.add(Slider::new(&mut percent, -MOST..=MOST).show_value(false).step_by(0.5));
+                ui.spacing_mut().slider_width = SLIDER_WIDTH;
+                let track = ui.add(
+                    Slider::new(&mut percent, -MAX_AMPLITUDE_PERCENT..=MAX_AMPLITUDE_PERCENT)
+                        .show_value(false)
+                        .step_by(0.5),
+                );
                 ui.ctx().accesskit_node_builder(track.id, |node| node.set_label(format!("Amplitude of {name}")));
                 if track.changed() {
                     *share = percent / 100.0;

@@ -11,13 +11,13 @@ pub struct Panels {
     /// The values of the selected thing, on the right.
     pub inspector: bool,
     /// The panel above the time line, if any.
-    pub below: Option<Below>,
+    pub below: Option<BottomPanel>,
 }
 
 /// A panel above the time line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Below {
+pub enum BottomPanel {
     /// The cost of a step.
     Cost,
     /// The error of steps.
@@ -36,7 +36,7 @@ impl Default for Panels {
 
 impl Panels {
     /// Opens a panel above the time line in place of any other, or closes it.
-    pub fn toggle(&mut self, below: Below) {
+    pub fn toggle(&mut self, below: BottomPanel) {
         self.below = if self.below == Some(below) { None } else { Some(below) };
     }
 }

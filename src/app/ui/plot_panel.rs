@@ -4,7 +4,7 @@
 use egui::{Color32, Label, RichText, ScrollArea, Ui, vec2};
 
 use super::theme;
-use super::work::{Asked, Work, progress_ui};
+use super::work::{PanelJob, Work, progress_ui};
 
 /// Between the words and the plot, points.
 const GAP: f32 = 18.0;
@@ -23,7 +23,7 @@ pub(super) struct Side {
 pub(super) fn plot_panel_ui<T>(
     ui: &mut Ui,
     side: &Side,
-    panel: &mut Asked<T>,
+    panel: &mut PanelJob<T>,
     words: impl FnOnce(&mut Ui, &Work<T>),
     plot: impl FnOnce(&mut Ui, &Work<T>),
 ) {

@@ -8,7 +8,7 @@ mod words;
 use egui::Ui;
 
 use super::plot_panel::{Side, plot_panel_ui, say};
-use super::work::{Asked, Work};
+use super::work::{PanelJob, Work};
 use super::{Running, edits, theme, things};
 use crate::app::hand::Target;
 use crate::scene::edit::Edit;
@@ -36,7 +36,7 @@ pub(super) fn wanted(selection: Option<Target>) -> StabilityOf {
 pub(super) fn stability_panel_ui(
     ui: &mut Ui,
     running: Running<'_>,
-    panel: &mut Asked<StabilityMap>,
+    panel: &mut PanelJob<StabilityMap>,
     commands: &mut Vec<Command>,
 ) {
     let plane = running.status.stability.as_ref().and_then(|shown| shown.plane.as_ref());

@@ -10,7 +10,7 @@ use super::modes_panel::{self, ModesPanel};
 use super::panels::Panels;
 use super::things;
 use super::widths::Widths;
-use super::work::Asked;
+use super::work::PanelJob;
 use crate::app::hand::Target;
 use crate::app::preferences::Preferences;
 use crate::app::theme::Theme;
@@ -26,7 +26,7 @@ use crate::session::stability_map::StabilityMap;
 use crate::view::SafeArea;
 
 /// The least fraction of the view's width and height that cards must leave to count as free.
-const LEAST_FREE: f32 = 0.25;
+const MIN_FREE_SHARE: f32 = 0.25;
 
 /// The state of the panels between frames, unknown to the session.
 #[derive(Debug)]
@@ -58,7 +58,7 @@ pub struct UiState {
     /// The thing to be selected as soon as it exists: the sandbox answers a few frames later.
     pub awaited: Option<Target>,
     /// The thing to be selected in the new scene that was requested.
-    pub comes_along: Option<Target>,
+    pub next_scene_target: Option<Target>,
     /// The brush in use.
     pub brush: Option<Brush>,
     /// The box of a body to be marked in the view.
@@ -76,9 +76,9 @@ pub struct UiState {
     /// The dialogs about files.
     pub files: FilesState,
     /// The error curve.
-    pub error_panel: Asked<ErrorCurve>,
+    pub error_panel: PanelJob<ErrorCurve>,
     /// The map of stability.
-    pub stability_panel: Asked<StabilityMap>,
+    pub stability_panel: PanelJob<StabilityMap>,
     /// The modes of a body.
     pub modes_panel: ModesPanel,
     /// The modes that a body of the scene waits for.
@@ -131,7 +131,7 @@ impl UiState {
             selection: None,
             chosen_size: ChosenSize::default(),
             awaited: None,
-            comes_along: None,
+            next_scene_target: None,
             brush: None,
             marked_box: MarkedBox::default(),
             renaming: None,
@@ -140,21 +140,21 @@ impl UiState {
             panels: Panels::default(),
             widths: Widths::default(),
             files: FilesState::default(),
-            error_panel: Asked::default(),
-            stability_panel: Asked::default(),
+            error_panel: PanelJob::default(),
+            stability_panel: PanelJob::default(),
             modes_panel: ModesPanel::default(),
             finding: Finding::default(),
         }
     }
 
     /// Takes over the arrangement of the last window.
-    pub fn arrange(&mut self, preferences: &Preferences) {
+    pub fn apply_preferences(&mut self, preferences: &Preferences) {
         let Preferences { theme, panels, widths, zoom: _, folders } = preferences.clone();
         (self.theme, self.panels, self.widths, self.files.folders) = (theme, panels, widths, folders);
     }
 
     /// The present arrangement, with text of this size.
-    pub fn arrangement(&self, zoom: f32) -> Preferences {
+    pub fn preferences(&self, zoom: f32) -> Preferences {
         let Self { theme, panels, widths, .. } = *self;
         Preferences { theme, panels, widths, zoom, folders: self.files.folders.clone() }
     }
@@ -185,7 +185,7 @@ impl UiState {
             return SafeArea::whole(1.0);
         }
         let whole = SafeArea::whole(view.aspect_ratio());
-        if free.width() < LEAST_FREE * view.width() || free.height() < LEAST_FREE * view.height() {
+        if free.width() < MIN_FREE_SHARE * view.width() || free.height() < MIN_FREE_SHARE * view.height() {
             return whole;
         }
         let place = |at: Pos2| {
@@ -197,7 +197,7 @@ impl UiState {
 
     /// Resets the state for another scene, and awaits the thing that comes with it.
     pub fn on_new_scene(&mut self) {
-        (self.selection, self.awaited) = (None, self.comes_along.take());
+        (self.selection, self.awaited) = (None, self.next_scene_target.take());
         self.chosen_size = ChosenSize::default();
         self.error_panel.forget();
         self.stability_panel.forget();
@@ -205,10 +205,10 @@ impl UiState {
     }
 
     /// Notes the thing that will come with a new scene.
-    pub(super) fn foresee(&mut self, commands: &[Command]) {
+    pub(super) fn note_next_scene(&mut self, commands: &[Command]) {
         if commands.iter().any(Command::replaces_scene) {
             let brings_body = commands.iter().any(|command| matches!(command, Command::AddBody { .. }));
-            self.comes_along = brings_body.then_some(Target::Body(BodyId(0)));
+            self.next_scene_target = brings_body.then_some(Target::Body(BodyId(0)));
         }
     }
 

@@ -4,21 +4,21 @@ use egui::{Align, Layout, RichText, Ui};
 
 use super::icon::{Icon, icon_button_ui};
 use super::words::{capitalised, grouped};
-use super::{Below, Panels, theme};
+use super::{BottomPanel, Panels, theme};
 use crate::session::{Command, Status};
 
 /// Below this width (points) the counts are left out in favour of the words.
 const COUNTS_NEED: f32 = 1100.0;
 /// The panels above the bar, from right to left.
-const BELOW: [(Below, &str, &str); 4] = [
-    (Below::Cost, "Cost", "Where the time of a step goes, and what this scene does not need  (C)"),
-    (Below::Error, "Error", "How exact the steps are, and what other schemes and steps would give  (E)"),
+const BOTTOM_PANELS: [(BottomPanel, &str, &str); 4] = [
+    (BottomPanel::Cost, "Cost", "Where the time of a step goes, and what this scene does not need  (C)"),
+    (BottomPanel::Error, "Error", "How exact the steps are, and what other schemes and steps would give  (E)"),
     (
-        Below::Stability,
+        BottomPanel::Stability,
         "Stability",
         "Where the step is stable over stiffness and damping, and where this body stands  (M)",
     ),
-    (Below::Modes, "Modes", "How a body swings about rest, one mode at a time  (V)"),
+    (BottomPanel::Modes, "Modes", "How a body swings about rest, one mode at a time  (V)"),
 ];
 
 /// The bar along the bottom.
@@ -44,7 +44,7 @@ pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, panels: &mut Panels, com
             .on_hover_text("Simulated time");
         ui.add_space(8.0);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            for (below, name, help) in BELOW {
+            for (below, name, help) in BOTTOM_PANELS {
                 let mut open = panels.below == Some(below);
                 if ui.toggle_value(&mut open, name).on_hover_text(help).clicked() {
                     panels.toggle(below);

@@ -19,8 +19,8 @@ const SPEEDS: [f64; 8] = [0.01, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0];
 /// The width of the box with the scene's name, points.
 const SCENE_WIDTH: f32 = 136.0;
 /// The free height of the window outside the list of scenes, and the least height of the list, points.
-const BELOW_LIST: f32 = 72.0;
-const LEAST_LIST: f32 = 200.0;
+const FREE_HEIGHT: f32 = 72.0;
+const MIN_LIST_HEIGHT: f32 = 200.0;
 /// The gap between rows of the list of presets, points: all of them must fit in a window 800 points high.
 const BETWEEN_PRESETS: f32 = 0.0;
 /// Where summaries begin in the list of presets, points from the names.
@@ -90,7 +90,7 @@ fn history_ui(ui: &mut Ui, status: &Status, commands: &mut Vec<Command>) {
 fn preset_ui(ui: &mut Ui, words: bool, status: &Status, state: &UiState, commands: &mut Vec<Command>) {
     let word = word_ui(ui, words, "Scene");
     // As high as the window allows: nobody looks for entries below the end of a list.
-    let height = (ui.ctx().content_rect().height() - BELOW_LIST).max(LEAST_LIST);
+    let height = (ui.ctx().content_rect().height() - FREE_HEIGHT).max(MIN_LIST_HEIGHT);
     let combo = ComboBox::from_id_salt("scene")
         .width(SCENE_WIDTH)
         .height(height)

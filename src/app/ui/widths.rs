@@ -7,7 +7,7 @@ pub(super) const LIST: [f32; 3] = [150.0, 194.0, 400.0];
 /// Widths of the values.
 pub(super) const VALUES: [f32; 3] = [316.0, 336.0, 620.0];
 /// The fraction of the window's width that the panels may take: the view keeps the rest.
-const SHARE: f32 = 0.5;
+const MAX_PANELS_SHARE: f32 = 0.5;
 /// Below this width of the window (points) both panels are on one side.
 pub(super) const TWO_SIDES_NEED: f32 = 1100.0;
 
@@ -36,7 +36,7 @@ impl Widths {
     /// The widths in a window of this width, so that the view keeps its share.
     pub(super) fn within(self, window: f32) -> Self {
         let Self { list, values } = self.allowed();
-        let room = SHARE * window;
+        let room = MAX_PANELS_SHARE * window;
         if window < TWO_SIDES_NEED {
             return Self { list: list.min(room), values: values.min(room).max(VALUES[0]) };
         }
@@ -56,7 +56,7 @@ mod tests {
                 for window in [760.0_f32, 900.0, 1100.0, 1280.0, 1920.0, 3840.0] {
                     let shown = Widths { list, values }.within(window);
                     let taken = if window < TWO_SIDES_NEED { shown.values } else { shown.list + shown.values };
-                    assert!(taken <= SHARE * window, "{list} and {values} in {window}: {shown:?}");
+                    assert!(taken <= MAX_PANELS_SHARE * window, "{list} and {values} in {window}: {shown:?}");
                     assert!(shown.list >= LIST[0] && shown.values >= VALUES[0], "nothing is squeezed: {shown:?}");
                 }
             }

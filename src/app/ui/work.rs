@@ -9,22 +9,22 @@ use super::theme;
 use crate::session::progress::Progress;
 
 /// The time between two looks at the progress.
-const LOOK: Duration = Duration::from_millis(250);
+const REFRESH_INTERVAL: Duration = Duration::from_millis(250);
 /// Height of the bar, points.
-const BAR: f32 = 6.0;
+const BAR_HEIGHT: f32 = 6.0;
 
 /// Work that can be requested, and its state.
 #[derive(Debug)]
-pub struct Asked<T> {
+pub struct PanelJob<T> {
     /// The state of the work.
     pub work: Work<T>,
     /// The request of a person, if any.
-    pub wish: Option<Wish>,
+    pub request: Option<JobRequest>,
 }
 
-impl<T> Default for Asked<T> {
+impl<T> Default for PanelJob<T> {
     fn default() -> Self {
-        Self { work: Work::Idle, wish: None }
+        Self { work: Work::Idle, request: None }
     }
 }
 
@@ -43,30 +43,30 @@ pub enum Work<T> {
 
 /// The request of a person.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
+pub enum JobRequest {
     /// Begin on the present scene.
     Begin,
     /// Stop, and forget the result.
     Stop,
 }
 
-impl<T> Asked<T> {
+impl<T> PanelJob<T> {
     /// Forgets the result when another scene is opened.
     pub(super) fn forget(&mut self) {
-        self.wish = (!matches!(self.work, Work::Idle)).then_some(Wish::Stop);
+        self.request = (!matches!(self.work, Work::Idle)).then_some(JobRequest::Stop);
     }
 
     /// The title of the panel, and beside it the button that begins the work or stops it.
     pub(super) fn title_ui(&mut self, ui: &mut Ui, title: &str, begin: &str) {
         ui.horizontal(|ui| {
             ui.label(RichText::new(title).color(theme::of(ui).strong).strong());
-            let (name, wish) = match self.work {
-                Work::Idle => (begin.to_owned(), Wish::Begin),
-                Work::Running(_) => ("Stop".to_owned(), Wish::Stop),
-                Work::Ready(_) | Work::Failed(_) => (format!("{begin} again"), Wish::Begin),
+            let (name, request) = match self.work {
+                Work::Idle => (begin.to_owned(), JobRequest::Begin),
+                Work::Running(_) => ("Stop".to_owned(), JobRequest::Stop),
+                Work::Ready(_) | Work::Failed(_) => (format!("{begin} again"), JobRequest::Begin),
             };
             if ui.button(name).clicked() {
-                self.wish = Some(wish);
+                self.request = Some(request);
             }
         });
     }
@@ -80,8 +80,8 @@ pub(super) fn progress_ui(ui: &mut Ui, progress: &Progress, width: f32) {
     ui.scope(|ui| {
         let colors = theme::of(ui);
         ui.visuals_mut().extreme_bg_color = colors.rail;
-        let bar = ProgressBar::new(fraction).fill(colors.accent).corner_radius(0.5 * BAR);
-        ui.add(bar.desired_width(width).desired_height(BAR));
+        let bar = ProgressBar::new(fraction).fill(colors.accent).corner_radius(0.5 * BAR_HEIGHT);
+        ui.add(bar.desired_width(width).desired_height(BAR_HEIGHT));
     });
-    ui.ctx().request_repaint_after(LOOK);
+    ui.ctx().request_repaint_after(REFRESH_INTERVAL);
 }

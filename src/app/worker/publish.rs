@@ -60,7 +60,7 @@ pub struct Snapshot {
 
 /// Why a worker stopped by itself.
 #[derive(Debug, Error)]
-pub enum Ended {
+pub enum WorkerError {
     /// The scene could not be made into a sandbox.
     #[error("the scene cannot be simulated")]
     NotStarted(#[source] SessionError),
@@ -74,13 +74,13 @@ pub enum Ended {
 pub(super) struct Slot {
     newest: Mutex<Newest>,
     /// Processor time of the thread and its helpers in steps, ns.
-    spent: AtomicU64,
+    processor_nanos: AtomicU64,
 }
 
 #[derive(Debug, Default)]
 struct Newest {
     snapshot: Option<Snapshot>,
-    ended: Option<Ended>,
+    error: Option<WorkerError>,
 }
 
 impl Slot {
@@ -90,13 +90,13 @@ impl Slot {
     }
 
     /// Takes the reason why the worker stopped by itself. Returned once.
-    pub(super) fn take_ended(&self) -> Option<Ended> {
-        self.newest().ended.take()
+    pub(super) fn take_error(&self) -> Option<WorkerError> {
+        self.newest().error.take()
     }
 
     /// Processor time of the thread and its helpers in steps.
-    pub(super) fn spent(&self) -> Duration {
-        Duration::from_nanos(self.spent.load(Ordering::Relaxed))
+    pub(super) fn processor_time(&self) -> Duration {
+        Duration::from_nanos(self.processor_nanos.load(Ordering::Relaxed))
     }
 
     fn newest(&self) -> MutexGuard<'_, Newest> {
@@ -118,7 +118,7 @@ pub(super) struct Answers {
 
 /// The course of time in a sandbox.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Time {
+pub(super) enum TimeFlow {
     /// Nothing changes without a command.
     Stands,
     /// It ran until now.
@@ -133,24 +133,24 @@ pub(super) struct Publisher<W> {
     /// Whether anyone can see the picture.
     visible: bool,
     /// When a snapshot was last published, and the time between two of them: a frame or more.
-    published: Instant,
+    last_published: Instant,
     interval: Duration,
     /// Whether the last snapshot showed a sandbox at rest.
-    rested: bool,
+    was_at_rest: bool,
     /// Whether a command since the last snapshot may have changed what it shows.
-    touched: bool,
+    has_changes: bool,
 }
 
 impl<W: Fn()> Publisher<W> {
     /// Fills a slot; `wake` is called when there is something in it.
     pub(super) fn new(slot: Arc<Slot>, wake: W) -> Self {
-        let published = Instant::now();
-        Self { slot, wake, visible: true, published, interval: FRAME, rested: false, touched: false }
+        let last_published = Instant::now();
+        Self { slot, wake, visible: true, last_published, interval: FRAME, was_at_rest: false, has_changes: false }
     }
 
     /// Sets whether anyone can see the picture.
     pub(super) fn set_visible(&mut self, visible: bool) {
-        (self.visible, self.touched) = (visible, true);
+        (self.visible, self.has_changes) = (visible, true);
     }
 
     /// Sets the time between two snapshots to that between two frames of the window.
@@ -160,25 +160,25 @@ impl<W: Fn()> Publisher<W> {
 
     /// Notes that something visible may have changed.
     pub(super) fn note_change(&mut self) {
-        self.touched = true;
+        self.has_changes = true;
     }
 
     /// The time until the next snapshot is due while time runs; `None` if nothing changes without a command.
     pub(super) fn due_in(&self) -> Option<Duration> {
-        let waits = !self.rested || self.touched;
-        waits.then(|| self.interval_now().saturating_sub(self.published.elapsed()))
+        let waits = !self.was_at_rest || self.has_changes;
+        waits.then(|| self.interval_now().saturating_sub(self.last_published.elapsed()))
     }
 
     /// Publishes the sandbox if it looks different and a snapshot is due.
-    pub(super) fn publish_if_due(&mut self, sandbox: &mut impl Observed, time: Time, answers: &Answers) {
+    pub(super) fn publish_if_due(&mut self, sandbox: &mut impl Observed, time: TimeFlow, answers: &Answers) {
         let spent = spent().as_nanos();
-        self.slot.spent.store(u64::try_from(spent).unwrap_or(u64::MAX), Ordering::Relaxed);
+        self.slot.processor_nanos.store(u64::try_from(spent).unwrap_or(u64::MAX), Ordering::Relaxed);
         let is_due = match time {
-            Time::Stands => self.touched,
-            Time::Stops => true,
-            Time::Runs => {
-                let differs = self.touched || !(self.rested && sandbox.is_at_rest());
-                differs && self.published.elapsed() >= self.interval_now()
+            TimeFlow::Stands => self.has_changes,
+            TimeFlow::Stops => true,
+            TimeFlow::Runs => {
+                let differs = self.has_changes || !(self.was_at_rest && sandbox.is_at_rest());
+                differs && self.last_published.elapsed() >= self.interval_now()
             }
         };
         if self.visible && is_due {
@@ -193,7 +193,7 @@ impl<W: Fn()> Publisher<W> {
             status.message.clone_from(failure);
             status.failed = true;
         }
-        (self.published, self.rested, self.touched) = (Instant::now(), sandbox.is_at_rest(), false);
+        (self.last_published, self.was_at_rest, self.has_changes) = (Instant::now(), sandbox.is_at_rest(), false);
         let (scene, draw_list) = (Arc::clone(sandbox.scene()), sandbox.draw_list());
         let Answers { count, generation, .. } = *answers;
         let snapshot = Snapshot { draw_list, status, scene, generation, answers: count };
@@ -210,13 +210,13 @@ impl<W: Fn()> Publisher<W> {
     }
 
     /// Publishes why the worker stops.
-    pub(super) fn end(&self, ended: Ended) {
-        self.slot.newest().ended = Some(ended);
+    pub(super) fn publish_error(&self, error: WorkerError) {
+        self.slot.newest().error = Some(error);
         (self.wake)();
     }
 
     /// The interval: a frame after a command, however many arrive.
     fn interval_now(&self) -> Duration {
-        if self.touched { FRAME } else { self.interval }
+        if self.has_changes { FRAME } else { self.interval }
     }
 }

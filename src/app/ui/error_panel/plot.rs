@@ -4,29 +4,30 @@
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 use crate::app::ui::figure::{duration, length};
-use crate::app::ui::log_axes::{LogAxes, Written, decades};
+use crate::app::ui::log_axes::{AxisLabels, LogAxes, decades};
 use crate::app::ui::theme;
 use crate::scene::settings::Integrator;
 use crate::session::error_curve::{CurvePoint, ErrorCurve, StepChoice};
 use crate::view::colormap::SERIES;
 
 /// The width of the names of the schemes on the right, points.
-const NAMES: f32 = 150.0;
+const NAMES_WIDTH: f32 = 150.0;
 /// Radii of a point, of its clickable area, and of the ring around the present one, points.
-const RADIUS: f32 = 3.0;
-const REACH: f32 = 6.0;
-const RING: f32 = 6.5;
+const POINT_RADIUS: f32 = 3.0;
+const POINT_HIT_RADIUS: f32 = 6.0;
+const RING_RADIUS: f32 = 6.5;
 /// The least legible size of a plot, points.
-const LEAST: egui::Vec2 = vec2(160.0, 90.0);
+const MIN_PLOT_SIZE: egui::Vec2 = vec2(160.0, 90.0);
 
 /// Draws the curves. Returns the choice at the point that was clicked.
 pub(super) fn plot_ui(ui: &mut Ui, curve: &ErrorCurve, present: StepChoice) -> Option<StepChoice> {
-    let (whole, _) = ui.allocate_exact_size(ui.available_size().max(LEAST), Sense::hover());
-    let names = if whole.width() > 3.0 * NAMES { NAMES } else { 0.0 };
-    let axes = axes_around(curve, LogAxes::room(whole, names))?;
+    let (whole, _) = ui.allocate_exact_size(ui.available_size().max(MIN_PLOT_SIZE), Sense::hover());
+    let names = if whole.width() > 3.0 * NAMES_WIDTH { NAMES_WIDTH } else { 0.0 };
+    let axes = axes_around(curve, LogAxes::plot_area(whole, names))?;
     let inner = axes.inner;
-    let wall = Written { title: "wall time per simulated second", number: &|exponent| duration(10_f64.powi(exponent)) };
-    let error = Written { title: "error of positions (RMS)", number: &|exponent| length(10_f64.powi(exponent)) };
+    let wall =
+        AxisLabels { title: "wall time per simulated second", number: &|exponent| duration(10_f64.powi(exponent)) };
+    let error = AxisLabels { title: "error of positions (RMS)", number: &|exponent| length(10_f64.powi(exponent)) };
     axes.draw(ui, &wall, &error);
     for (series, integrator) in schemes().enumerate() {
         let color = color(ui, series);
@@ -39,7 +40,7 @@ pub(super) fn plot_ui(ui: &mut Ui, curve: &ErrorCurve, present: StepChoice) -> O
         }
     }
     if let Some([wall_secs, error_m]) = curve.place(present) {
-        ui.painter().circle_stroke(axes.place(wall_secs, error_m), RING, Stroke::new(2.0, theme::of(ui).accent));
+        ui.painter().circle_stroke(axes.place(wall_secs, error_m), RING_RADIUS, Stroke::new(2.0, theme::of(ui).accent));
     }
     let mut chosen = None;
     for (index, point) in curve.points.iter().enumerate() {
@@ -66,18 +67,18 @@ fn color(ui: &Ui, series: usize) -> Color32 {
 
 fn name_ui(ui: &Ui, at: Pos2, integrator: Option<Integrator>, color: Color32) {
     let name = integrator.map_or("automatic stepping", Integrator::words);
-    ui.painter().circle_filled(at, RADIUS + 1.0, color);
+    ui.painter().circle_filled(at, POINT_RADIUS + 1.0, color);
     ui.painter().text(at + vec2(10.0, 0.0), Align2::LEFT_CENTER, name, FontId::proportional(12.0), theme::of(ui).text);
 }
 
 /// Draws a point. Returns whether it was clicked.
 fn point_ui(ui: &Ui, index: usize, point: &CurvePoint, place: Pos2, is_present: bool) -> bool {
     let series = schemes().position(|integrator| integrator == point.choice.integrator).unwrap_or_default();
-    let rect = Rect::from_center_size(place, egui::Vec2::splat(2.0 * REACH));
+    let rect = Rect::from_center_size(place, egui::Vec2::splat(2.0 * POINT_HIT_RADIUS));
     let response = ui.interact(rect, ui.scope_id().with(("point", index)), Sense::click());
     let words = words(point);
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, is_present, &words));
-    let radius = if response.hovered() || response.has_focus() { RADIUS + 1.5 } else { RADIUS };
+    let radius = if response.hovered() || response.has_focus() { POINT_RADIUS + 1.5 } else { POINT_RADIUS };
     let color = color(ui, series);
     ui.painter().circle_filled(place, radius, color);
     if !point.is_best {

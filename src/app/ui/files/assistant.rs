@@ -7,7 +7,7 @@ use egui::Ui;
 
 use super::inset::Inset;
 use super::path_field::{PathField, PathUse, Verdict};
-use super::wish::Wish;
+use super::request::FileRequest;
 use crate::app::ui::Running;
 use crate::scene::body::{Body, ModelShape, Shape};
 use crate::scene::edit::BodyId;
@@ -20,10 +20,10 @@ const PAUSE_SECS: f64 = 0.3;
 /// The assistant.
 #[derive(Debug)]
 pub(super) struct LoadModel {
-    pub(super) of: Of,
+    pub(super) source: ModelSource,
     pub(super) shape: ModelShape,
     /// The last shape wanted.
-    pub(super) asked: Option<ModelShape>,
+    pub(super) wanted_shape: Option<ModelShape>,
     changed_secs: f64,
     pub(super) work: Work,
     /// The picture of the result.
@@ -32,7 +32,7 @@ pub(super) struct LoadModel {
 
 /// The model that is made into jelly.
 #[derive(Debug)]
-pub(super) enum Of {
+pub(super) enum ModelSource {
     /// A file, as a new body.
     File(PathField),
     /// The model of a body of the scene, once more.
@@ -56,22 +56,22 @@ pub enum Work {
 impl LoadModel {
     /// An assistant that begins with a path.
     pub(super) fn new(start: &Path) -> Self {
-        Self::with(Of::File(PathField::new(PathUse::OpenModel, start)), ModelShape::for_new())
+        Self::with(ModelSource::File(PathField::new(PathUse::OpenModel, start)), ModelShape::for_new())
     }
 
     /// An assistant that begins with the model of a body.
     pub(super) fn of_body(id: BodyId, shape: ModelShape) -> Self {
-        Self::with(Of::Body(id), shape)
+        Self::with(ModelSource::Body(id), shape)
     }
 
-    fn with(of: Of, shape: ModelShape) -> Self {
+    fn with(source: ModelSource, shape: ModelShape) -> Self {
         let (changed_secs, inset) = (f64::NEG_INFINITY, Inset::default());
-        Self { of, shape, asked: None, changed_secs, work: Work::Idle, inset }
+        Self { source, shape, wanted_shape: None, changed_secs, work: Work::Idle, inset }
     }
 
     /// Puts another path into the field.
     pub(super) fn set(&mut self, path: &Path) {
-        if let Of::File(field) = &mut self.of {
+        if let ModelSource::File(field) = &mut self.source {
             field.set(path);
         }
     }
@@ -83,29 +83,29 @@ impl LoadModel {
 
     /// The shape according to the values; `None` until the path leads to a file.
     fn wanted(&mut self) -> Option<ModelShape> {
-        let Of::File(field) = &mut self.of else { return Some(self.shape.clone()) };
+        let ModelSource::File(field) = &mut self.source else { return Some(self.shape.clone()) };
         let Verdict::Usable(path, _) = field.verdict() else { return None };
         let path = std::path::absolute(path).ok()?;
         Some(ModelShape { path: path.to_str()?.to_owned(), ..self.shape.clone() })
     }
 
     /// Requests the work anew once the values have stayed the same for a while.
-    pub(super) fn follow(&mut self, ui: &Ui, running: Running<'_>, wishes: &mut Vec<Wish>) {
+    pub(super) fn follow(&mut self, ui: &Ui, running: Running<'_>, requests: &mut Vec<FileRequest>) {
         let wanted = self.wanted();
         let now = ui.input(|input| input.time);
-        if wanted != self.asked {
-            self.asked = wanted;
+        if wanted != self.wanted_shape {
+            self.wanted_shape = wanted;
             self.changed_secs = now;
             self.work = Work::Idle;
-            wishes.push(Wish::StopJellifying);
+            requests.push(FileRequest::StopJellifying);
         }
         if self.changed_secs.is_finite()
-            && let Some(asked) = &self.asked
+            && let Some(wanted_shape) = &self.wanted_shape
         {
             let rest = self.changed_secs + PAUSE_SECS - now;
             if rest <= 0.0 {
                 self.changed_secs = f64::NEG_INFINITY;
-                wishes.push(Wish::Jellify(Box::new(self.work_for(asked.clone(), running))));
+                requests.push(FileRequest::Jellify(Box::new(self.work_for(wanted_shape.clone(), running))));
             } else {
                 ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(rest));
             }
@@ -127,13 +127,13 @@ impl LoadModel {
 
     /// The body whose model is filled again.
     pub(super) fn body<'a>(&self, running: Running<'a>) -> Option<&'a Body> {
-        let Of::Body(id) = self.of else { return None };
+        let ModelSource::Body(id) = self.source else { return None };
         running.scene.bodies.get(id.0)
     }
 
     /// Whether there is still a model: the body may be gone, or have another shape now.
     pub(super) fn is_sound(&self, running: Running<'_>) -> bool {
         let is_model = |body: &Body| matches!(&body.shape, Shape::Model(_));
-        matches!(self.of, Of::File(_)) || self.body(running).is_some_and(is_model)
+        matches!(self.source, ModelSource::File(_)) || self.body(running).is_some_and(is_model)
     }
 }

@@ -6,7 +6,7 @@ use egui::{Color32, Rect, Sense, TextureId, Ui, Vec2, pos2};
 
 use crate::app::ui::figure::fixed_figure;
 use crate::app::ui::theme;
-use crate::extract::model_picture::{JOINED, ModelPicture, THIN, THIN_AND_JOINED};
+use crate::extract::model_picture::{JOINED_COLOR, ModelPicture, THIN_AND_JOINED_COLOR, THIN_COLOR};
 use crate::session::jellify::Preview;
 use crate::view::{DrawList, Orbit, Style};
 
@@ -18,7 +18,7 @@ const KEY_HEIGHT: f32 = 16.0;
 
 /// A picture that the window is to draw.
 #[derive(Debug)]
-pub struct InsetWish {
+pub struct InsetRequest {
     /// The contents of the picture.
     pub draw_list: DrawList,
     /// Width and height, pixels.
@@ -32,14 +32,14 @@ pub(super) struct Inset {
     of: Option<(Arc<ModelPicture>, Orbit)>,
     shows_cells: bool,
     /// What the texture shows, or will show.
-    asked: Option<Asked>,
-    wish: Option<InsetWish>,
+    requested: Option<PictureKey>,
+    request: Option<InsetRequest>,
     texture: Option<TextureId>,
 }
 
 /// The properties that distinguish one picture from another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Asked {
+struct PictureKey {
     orbit: Orbit,
     cells: bool,
     size: [u32; 2],
@@ -48,20 +48,20 @@ struct Asked {
 
 impl Inset {
     /// Takes the picture that the window is to draw, if any.
-    pub(super) fn take_wish(&mut self) -> Option<InsetWish> {
-        self.wish.take()
+    pub(super) fn take_request(&mut self) -> Option<InsetRequest> {
+        self.request.take()
     }
 
     /// Whether the window is to draw a picture.
-    pub(super) fn has_wish(&self) -> bool {
-        self.wish.is_some()
+    pub(super) fn has_request(&self) -> bool {
+        self.request.is_some()
     }
 
     /// Sets the texture drawn by the window; `None` if the window has lost it.
     pub(super) fn drawn(&mut self, texture: Option<TextureId>) {
         self.texture = texture;
         if texture.is_none() {
-            self.asked = None;
+            self.requested = None;
         }
     }
 
@@ -73,9 +73,9 @@ impl Inset {
         let orbit = match &mut self.of {
             Some((of, orbit)) if Arc::ptr_eq(of, picture) => orbit,
             of => {
-                self.asked = None;
+                self.requested = None;
                 let turned = of.as_ref().map_or_else(Orbit::default, |(_, orbit)| *orbit);
-                let orbit = picture.seen_whole(turned, size.x / size.y);
+                let orbit = picture.framed(turned, size.x / size.y);
                 &mut of.insert((Arc::clone(picture), orbit)).1
             }
         };
@@ -86,12 +86,12 @@ impl Inset {
         let points = ui.ctx().pixels_per_point();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred")]
         let pixels = [size.x, size.y].map(|side| (side * points).round().max(1.0) as u32);
-        let asked = Asked { orbit: *orbit, cells: self.shows_cells, size: pixels, is_dark: ui.visuals().dark_mode };
-        if self.asked != Some(asked) {
-            self.asked = Some(asked);
-            let style = if asked.is_dark { Style::dark() } else { Style::light() };
-            let draw_list = picture.draw_list(orbit, style, asked.cells, points);
-            self.wish = Some(InsetWish { draw_list, size: pixels });
+        let key = PictureKey { orbit: *orbit, cells: self.shows_cells, size: pixels, is_dark: ui.visuals().dark_mode };
+        if self.requested != Some(key) {
+            self.requested = Some(key);
+            let style = if key.is_dark { Style::dark() } else { Style::light() };
+            let draw_list = picture.draw_list(orbit, style, key.cells, points);
+            self.request = Some(InsetRequest { draw_list, size: pixels });
         }
         match self.texture {
             Some(texture) => {
@@ -104,12 +104,12 @@ impl Inset {
         }
         (ui.spacing_mut().interact_size.y, ui.spacing_mut().item_spacing.y) = (KEY_HEIGHT, 4.0);
         let percent = |share: f64| format!("{} %", fixed_figure(100.0 * share, 0));
-        key_ui(ui, THIN, &format!("thinner than a cell: {}", percent(preview.thin_share)))
+        key_ui(ui, THIN_COLOR, &format!("thinner than a cell: {}", percent(preview.thin_share)))
             .on_hover_text("It becomes a cell thick, and bends less than it should");
-        key_ui(ui, JOINED, &format!("moves as one with what is near: {}", percent(preview.joined_share)))
+        key_ui(ui, JOINED_COLOR, &format!("moves as one with what is near: {}", percent(preview.joined_share)))
             .on_hover_text("A part or a fold nearer than a cell: cells hold both. More divisions tell them apart");
         if preview.thin_share > 0.0 && preview.joined_share > 0.0 {
-            key_ui(ui, THIN_AND_JOINED, "both");
+            key_ui(ui, THIN_AND_JOINED_COLOR, "both");
         }
         ui.checkbox(&mut self.shows_cells, "Cells").on_hover_text("Slopes become steps of cells");
     }

@@ -3,10 +3,10 @@
 
 use egui::{ComboBox, DragValue, Grid, ProgressBar, RichText, ScrollArea, Ui, Vec2};
 
-use super::assistant::{LoadModel, Of, Work};
+use super::assistant::{LoadModel, ModelSource, Work};
 use super::dialog::{buttons_ui, dialog_ui, main_button_ui};
 use super::path_field::PathUse;
-use super::{Running, UiState, Wish};
+use super::{FileRequest, Running, UiState};
 use crate::app::hand::Target;
 use crate::app::ui::entry::entry_ui;
 use crate::app::ui::words::capitalised;
@@ -30,36 +30,36 @@ const PICTURE_WIDTH: f32 = 290.0;
 /// The height of the text below the picture, points.
 const BELOW_PICTURE: f32 = 100.0;
 /// The time between two looks at the progress.
-const LOOK: std::time::Duration = std::time::Duration::from_millis(60);
+const REFRESH_INTERVAL: std::time::Duration = std::time::Duration::from_millis(60);
 
 /// The assistant, when it is open.
 pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let Some(mut model) = state.files.model.take() else { return };
     let mut done = !model.is_sound(running);
-    let title = if let Of::Body(_) = model.of { "Fill model" } else { "Load model" };
+    let title = if let ModelSource::Body(_) = model.source { "Fill model" } else { "Load model" };
     let escaped = dialog_ui(ui, title, WIDTH, |ui| {
         let room = (ui.ctx().content_rect().height() - REST).max(0.0);
         let [list, work] = HEIGHTS.map(|height| height * (room / HEIGHTS.iter().sum::<f32>()).clamp(0.25, 1.0));
         let mut entered = false;
-        if let Of::File(field) = &mut model.of {
+        if let ModelSource::File(field) = &mut model.source {
             let response = field.ui(ui, "Model", !state.files.no_browser, list);
             if response.browse {
-                state.files.wishes.push(Wish::Browse(PathUse::OpenModel, field.folder()));
+                state.files.requests.push(FileRequest::Browse(PathUse::OpenModel, field.folder()));
             }
             entered = response.entered;
         } else if let Some(body) = model.body(running) {
             ui.label(RichText::new(&body.name).color(theme::of(ui).strong));
         }
         ui.separator();
-        model.follow(ui, running, &mut state.files.wishes);
-        let work = if let Of::Body(_) = model.of { work + list } else { work };
+        model.follow(ui, running, &mut state.files.requests);
+        let work = if let ModelSource::Body(_) = model.source { work + list } else { work };
         ui.horizontal_top(|ui| {
             let width = (ui.available_width() - PICTURE_WIDTH - ui.spacing().item_spacing.x).max(0.0);
             let left = ui.allocate_ui(Vec2::new(width, 0.0), |ui| {
                 ui.vertical(|ui| {
                     values_ui(ui, &mut model.shape);
                     ui.separator();
-                    work_ui(ui, &model, work, running.status, &mut state.files.wishes);
+                    work_ui(ui, &model, work, running.status, &mut state.files.requests);
                 });
             });
             let height = left.response.rect.height();
@@ -73,7 +73,7 @@ pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiSta
         ui.add_space(6.0);
         buttons_ui(ui, |ui| {
             let ready = matches!(model.work, Work::Ready(_));
-            let is_new = matches!(model.of, Of::File(_));
+            let is_new = matches!(model.source, ModelSource::File(_));
             let main = if is_new { "Add to scene" } else { "Apply" };
             let add = main_button_ui(ui, main, ready).clicked() || (entered && ready);
             let replace = is_new && ui.add_enabled(ready, egui::Button::new("Replace scene")).clicked();
@@ -82,9 +82,9 @@ pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiSta
                 && let Work::Ready(body) = std::mem::take(&mut model.work)
             {
                 done = true;
-                match &model.of {
-                    Of::Body(id) => commands.push(body.refill(*id)),
-                    Of::File(field) => {
+                match &model.source {
+                    ModelSource::Body(id) => commands.push(body.refill(*id)),
+                    ModelSource::File(field) => {
                         state.files.folders.model = std::path::absolute(field.folder()).ok();
                         if add {
                             state.awaited = Some(Target::Body(BodyId(running.scene.bodies.len())));
@@ -98,7 +98,7 @@ pub(super) fn load_model_ui(ui: &mut Ui, running: Running<'_>, state: &mut UiSta
         });
     });
     if escaped || done {
-        state.files.wishes.push(Wish::StopJellifying);
+        state.files.requests.push(FileRequest::StopJellifying);
     } else {
         state.files.model = Some(model);
     }
@@ -162,21 +162,21 @@ fn values_ui(ui: &mut Ui, shape: &mut ModelShape) {
 }
 
 /// The progress of the work and its result, always at the same height, so that the buttons below do not move.
-fn work_ui(ui: &mut Ui, model: &LoadModel, height: f32, status: &Status, wishes: &mut Vec<Wish>) {
+fn work_ui(ui: &mut Ui, model: &LoadModel, height: f32, status: &Status, requests: &mut Vec<FileRequest>) {
     let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, false]);
     area.show(ui, |ui| match &model.work {
         Work::Idle => {
             let choose = format!("Choose a model file: {MODEL_FORMATS}.");
-            let words = if model.asked.is_some() { "…".to_owned() } else { choose };
+            let words = if model.wanted_shape.is_some() { "…".to_owned() } else { choose };
             ui.label(RichText::new(words).color(theme::of(ui).weak));
         }
         Work::Running(progress) => {
-            ui.ctx().request_repaint_after(LOOK);
+            ui.ctx().request_repaint_after(REFRESH_INTERVAL);
             ui.horizontal(|ui| {
                 let bar = ProgressBar::new(progress.fraction()).desired_width(380.0).show_percentage();
                 ui.add(bar);
                 if ui.button("Stop").clicked() {
-                    wishes.push(Wish::StopJellifying);
+                    requests.push(FileRequest::StopJellifying);
                 }
             });
         }

@@ -1,6 +1,6 @@
 //! The dialogs about files: opening, saving, the question before changes are lost, drafts found after a crash, files dropped
 //! on the window. Keeps the open dialogs and questions; work that needs a thread, the system or the state folder is a
-//! [`Wish`] to the window.
+//! [`FileRequest`] to the window.
 
 mod action;
 mod assistant;
@@ -13,8 +13,8 @@ mod path_dialog;
 mod path_field;
 mod question;
 mod recovery_card;
+mod request;
 mod state;
-mod wish;
 
 use std::path::Path;
 
@@ -27,10 +27,10 @@ use state::PathDialog;
 pub use action::FileAction;
 pub use assistant::Work;
 pub use dialog::MAIN_FILL;
-pub use inset::InsetWish;
+pub use inset::InsetRequest;
 pub use path_field::PathUse;
+pub use request::FileRequest;
 pub use state::{FilesState, FoundDraft};
-pub use wish::Wish;
 
 /// The dialogs about files, over everything else. Commands that would lose unsaved changes wait for an answer.
 pub(super) fn files_ui(
@@ -102,7 +102,7 @@ fn begin(action: FileAction, status: &Status, state: &mut UiState, commands: &mu
             let start = files.model_folder(status);
             files.dialog = Some(PathDialog::new(PathUse::OpenMesh, &start));
         }
-        FileAction::Recover => question::wish(Wish::Recover, status, files),
-        FileAction::Quit => question::wish(Wish::Quit, status, files),
+        FileAction::Recover => question::request(FileRequest::Recover, status, files),
+        FileAction::Quit => question::request(FileRequest::Quit, status, files),
     }
 }

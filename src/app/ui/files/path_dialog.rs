@@ -7,7 +7,7 @@ use egui::{RichText, Ui};
 use super::dialog::{buttons_ui, dialog_ui, main_button_ui};
 use super::path_field::{PathField, PathUse, Verdict};
 use super::state::PathDialog;
-use super::{FileAction, FilesState, Wish};
+use super::{FileAction, FileRequest, FilesState};
 use crate::app::ui::theme;
 use crate::session::Command;
 use crate::session::document::ModelPlace;
@@ -38,7 +38,7 @@ pub(super) fn path_dialog_ui(ui: &mut Ui, files: &mut FilesState, commands: &mut
         }
         if response.browse {
             let start = dialog.field.folder();
-            files.wishes.push(Wish::Browse(dialog.purpose, start));
+            files.requests.push(FileRequest::Browse(dialog.purpose, start));
         }
         if dialog.purpose == PathUse::SaveScene {
             models_ui(ui, &mut dialog);

@@ -15,7 +15,7 @@ use crate::session::state_file;
 use crate::text::counted;
 
 /// The most entries of a folder that are listed; typing the name of a file to open narrows them down.
-const LISTED: usize = 200;
+const MAX_LISTED_ENTRIES: usize = 200;
 /// The height reserved for the verdict on a path, so that nothing below it moves, points.
 const VERDICT_HEIGHT: f32 = 38.0;
 /// The reason why there may be no file dialog of the system.
@@ -327,7 +327,7 @@ fn entries(purpose: PathUse, text: &str) -> Vec<Entry> {
         })
         .collect();
     found.sort_by_key(|entry| (!entry.is_folder, entry.name.to_lowercase()));
-    found.truncate(LISTED);
+    found.truncate(MAX_LISTED_ENTRIES);
     found
 }
 

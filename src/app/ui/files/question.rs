@@ -3,16 +3,16 @@
 use egui::Ui;
 
 use super::dialog::{buttons_ui, dialog_ui, main_button_ui};
-use super::state::{Question, Then};
-use super::{FileAction, FilesState, Wish};
+use super::state::{NextStep, Question};
+use super::{FileAction, FileRequest, FilesState};
 use crate::session::{Command, Status};
 
-/// Grants a wish that would lose unsaved changes, or asks first if there are any.
-pub(super) fn wish(wish: Wish, status: &Status, files: &mut FilesState) {
+/// Grants a request that would lose unsaved changes, or asks first if there are any.
+pub(super) fn request(request: FileRequest, status: &Status, files: &mut FilesState) {
     if status.unsaved {
-        files.question = Some(Question { then: Then::Grant(wish), saving: false });
+        files.question = Some(Question { next: NextStep::Request(request), saving: false });
     } else {
-        files.wishes.push(wish);
+        files.requests.push(request);
     }
 }
 
@@ -23,7 +23,7 @@ pub(super) fn hold_back(status: &Status, files: &mut FilesState, commands: &mut 
     }
     // The commands after it are meant for the new scene: they wait too.
     if let Some(first) = commands.iter().position(Command::replaces_scene) {
-        files.question = Some(Question { then: Then::Do(commands.split_off(first)), saving: false });
+        files.question = Some(Question { next: NextStep::Send(commands.split_off(first)), saving: false });
     }
 }
 
@@ -32,9 +32,9 @@ pub(super) fn question_ui(ui: &Ui, status: &Status, files: &mut FilesState, comm
     let Some(mut question) = files.question.take() else { return };
     let mut answer = None;
     let escaped = dialog_ui(ui, "Unsaved changes", 420.0, |ui| {
-        let before = match &question.then {
-            Then::Grant(Wish::Quit) => "closing",
-            Then::Grant(_) | Then::Do(_) => "another scene takes its place",
+        let before = match &question.next {
+            NextStep::Request(FileRequest::Quit) => "closing",
+            NextStep::Request(_) | NextStep::Send(_) => "another scene takes its place",
         };
         ui.label(format!("Save the changes to {} before {before}? They are lost otherwise.", status.title));
         ui.add_space(8.0);
@@ -84,8 +84,8 @@ enum Answer {
 }
 
 fn go_on(question: Question, files: &mut FilesState, commands: &mut Vec<Command>) {
-    match question.then {
-        Then::Grant(wish) => files.wishes.push(wish),
-        Then::Do(held) => commands.extend(held),
+    match question.next {
+        NextStep::Request(request) => files.requests.push(request),
+        NextStep::Send(held) => commands.extend(held),
     }
 }

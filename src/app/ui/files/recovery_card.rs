@@ -3,7 +3,7 @@
 use egui::{Align2, RichText, Ui};
 
 use super::dialog::main_button_ui;
-use super::{FileAction, UiState, Wish};
+use super::{FileAction, FileRequest, UiState};
 use crate::app::ui::card::over_view;
 use crate::app::ui::theme;
 
@@ -20,7 +20,7 @@ pub(super) fn recovery_card_ui(ui: &Ui, state: &mut UiState) {
                     state.files.ask(FileAction::Recover);
                 }
                 if ui.button("Discard").on_hover_text("Throw these changes away").clicked() {
-                    state.files.wishes.push(Wish::DiscardFound);
+                    state.files.requests.push(FileRequest::DiscardFound);
                 }
             });
         });

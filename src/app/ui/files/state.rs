@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::action::FileAction;
 use super::assistant::{LoadModel, Work};
-use super::inset::InsetWish;
+use super::inset::InsetRequest;
 use super::path_field::{PathField, PathUse};
-use super::wish::Wish;
+use super::request::FileRequest;
 use crate::app::preferences::Folders;
 use crate::scene::body::ModelShape;
 use crate::scene::edit::BodyId;
@@ -35,7 +35,7 @@ pub struct FilesState {
     /// The draft found after a crash.
     pub found: Option<FoundDraft>,
     /// Requests to the window.
-    pub wishes: Vec<Wish>,
+    pub requests: Vec<FileRequest>,
     pub(super) asked: Vec<FileAction>,
     pub(super) no_browser: bool,
     pub(super) dialog: Option<PathDialog>,
@@ -86,12 +86,12 @@ impl FilesState {
 
     /// Whether the assistant wants its picture drawn.
     pub fn wants_inset(&self) -> bool {
-        self.model.as_ref().is_some_and(|model| model.inset.has_wish())
+        self.model.as_ref().is_some_and(|model| model.inset.has_request())
     }
 
     /// Takes the picture that the assistant wants drawn, if any.
-    pub fn take_inset(&mut self) -> Option<InsetWish> {
-        self.model.as_mut()?.inset.take_wish()
+    pub fn take_inset(&mut self) -> Option<InsetRequest> {
+        self.model.as_mut()?.inset.take_request()
     }
 
     /// Sets the texture of the assistant's picture; `None` if the window has lost it.
@@ -158,14 +158,14 @@ impl PathDialog {
 /// The question before unsaved changes are lost, and what waits for the answer.
 #[derive(Debug)]
 pub(super) struct Question {
-    pub(super) then: Then,
+    pub(super) next: NextStep,
     /// Whether a person chose to save: once everything is saved, the rest follows.
     pub(super) saving: bool,
 }
 
 /// What follows after the answer.
 #[derive(Debug)]
-pub(super) enum Then {
-    Grant(Wish),
-    Do(Vec<Command>),
+pub(super) enum NextStep {
+    Request(FileRequest),
+    Send(Vec<Command>),
 }

@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 use super::brush::brush_button_ui;
 use super::own_box::own_box_ui;
 use super::parts::solid_choice_ui;
-use super::safe::Safe;
+use super::safe::SafeBounds;
 use super::springs::{own_springs_ui, softer, springs_choice_ui};
 use crate::app::ui::tip::tip_ui;
 use crate::app::ui::{Brush, Running, UiState, edits, theme};
@@ -31,7 +31,7 @@ pub(super) fn inlays_ui(
     id: BodyId,
     running: Running<'_>,
     state: &mut UiState,
-    safe: Safe<'_>,
+    safe: SafeBounds<'_>,
     commands: &mut Vec<Command>,
 ) {
     let scene = running.scene;

@@ -5,7 +5,7 @@ use egui::{ComboBox, RichText, Ui};
 use super::inlays::inlays_ui;
 use super::own_weight::{self, length};
 use super::parts::parts_ui;
-use super::safe::Safe;
+use super::safe::SafeBounds;
 use super::springs::springs_ui;
 use crate::app::ui::entry::entry_ui;
 use crate::app::ui::figure::figure;
@@ -43,7 +43,7 @@ pub(super) fn material_ui(
         None => (),
     }
     own_weight::own_weight_ui(ui, id, running.scene, known, state, commands);
-    let safe = Safe::of(&known.safe);
+    let safe = SafeBounds::of(&known.safe);
     match body.material {
         Material::Springs(springs) => own_springs_ui(ui, id, body, springs, safe, commands),
         Material::Solid(solid) => solid_ui(ui, id, body, solid, safe, commands),
@@ -120,7 +120,7 @@ fn name_of(material: &Material) -> Option<&'static MaterialPreset> {
     presets().iter().find(|preset| preset.material == *solid)
 }
 
-fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, safe: Safe<'_>, commands: &mut Vec<Command>) {
+fn solid_ui(ui: &mut Ui, id: BodyId, body: &Body, mut solid: Solid, safe: SafeBounds<'_>, commands: &mut Vec<Command>) {
     let mut interaction = Interaction::default();
     let Solid { young_modulus, density, damping_ratio, .. } = &mut solid;
     for (what, label, value) in [
@@ -140,7 +140,7 @@ fn own_springs_ui(
     id: BodyId,
     body: &Body,
     mut springs: Springs,
-    safe: Safe<'_>,
+    safe: SafeBounds<'_>,
     commands: &mut Vec<Command>,
 ) {
     let path = format!("bodies.{}.material.springs", id.0);

@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, RichText, Ui};
 
-use super::safe::Safe;
+use super::safe::SafeBounds;
 use super::springs::{own_springs_ui, softer, springs_choice_ui, within_label_ui};
 use crate::app::ui::entry::entry_ui;
 use crate::app::ui::tip::tip_ui;
@@ -24,7 +24,7 @@ pub(super) fn parts_ui(
     id: BodyId,
     body: &Body,
     names: &[String],
-    safe: Safe<'_>,
+    safe: SafeBounds<'_>,
     commands: &mut Vec<Command>,
 ) {
     if names.len() < 2 {

@@ -6,9 +6,9 @@ use crate::session::SafeValue;
 
 /// The safe bounds on the values of a body's materials.
 #[derive(Clone, Copy)]
-pub(super) struct Safe<'a>(&'a [SafeValue]);
+pub(super) struct SafeBounds<'a>(&'a [SafeValue]);
 
-impl<'a> Safe<'a> {
+impl<'a> SafeBounds<'a> {
     pub(super) fn of(values: &'a [SafeValue]) -> Self {
         Self(values)
     }

@@ -2,7 +2,7 @@
 
 use egui::{CollapsingHeader, ComboBox, RichText, Ui};
 
-use super::safe::Safe;
+use super::safe::SafeBounds;
 use crate::app::ui::entry::entry_ui;
 use crate::app::ui::theme;
 use crate::app::ui::value::{Bound, Interaction, LABEL_WIDTH, slider_ui};
@@ -68,7 +68,7 @@ pub(super) fn own_springs_ui(
     name: &str,
     path: &str,
     springs: &mut Springs,
-    safe: Safe<'_>,
+    safe: SafeBounds<'_>,
 ) -> Interaction {
     let mut interaction = Interaction::default();
     CollapsingHeader::new(RichText::new(format!("Springs of {name}")).color(theme::of(ui).weak))

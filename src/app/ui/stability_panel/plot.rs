@@ -6,35 +6,35 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, Widget
 
 use super::words::{predicted_words, values_words};
 use crate::app::ui::figure::rounded_figure;
-use crate::app::ui::log_axes::{LogAxes, Written, power_of_ten};
+use crate::app::ui::log_axes::{AxisLabels, LogAxes, power_of_ten};
 use crate::app::ui::theme;
 use crate::scene::Body;
 use crate::session::stability_map::{Place, PlaneShown, StabilityMap, Zone};
 
 /// The width of the explanations on the right, points.
-const NAMES: f32 = 190.0;
+const NAMES_WIDTH: f32 = 190.0;
 /// The radius of the dot, points.
-const RADIUS: f32 = 5.0;
+const DOT_RADIUS: f32 = 5.0;
 /// The least legible size of a map, points.
-const LEAST: egui::Vec2 = vec2(160.0, 90.0);
+const MIN_PLOT_SIZE: egui::Vec2 = vec2(160.0, 90.0);
 /// Opacities of a predicted zone and of a measured cell, 0 to 1.
-const ZONE: f32 = 0.16;
-const CELL: f32 = 0.6;
+const ZONE_OPACITY: f32 = 0.16;
+const CELL_OPACITY: f32 = 0.6;
 
 /// Draws the map. Returns the place that was clicked.
 pub(super) fn plot_ui(ui: &mut Ui, shown: &PlaneShown, body: &Body, measured: Option<&StabilityMap>) -> Option<Place> {
-    let (whole, _) = ui.allocate_exact_size(ui.available_size().max(LEAST), Sense::hover());
-    let names = if whole.width() > 2.5 * NAMES { NAMES } else { 0.0 };
+    let (whole, _) = ui.allocate_exact_size(ui.available_size().max(MIN_PLOT_SIZE), Sense::hover());
+    let names = if whole.width() > 2.5 * NAMES_WIDTH { NAMES_WIDTH } else { 0.0 };
     let [across, up] = shown.decades.map(|[low, high]| low..=high);
-    let axes = LogAxes { inner: LogAxes::room(whole, names), across, up };
+    let axes = LogAxes { inner: LogAxes::plot_area(whole, names), across, up };
     let inner = axes.inner;
     let response = ui.interact(inner, ui.scope_id().with("map"), Sense::click());
     match measured {
         Some(map) => cells(ui, &axes, map),
         None => zones(ui, &axes, shown),
     }
-    let below = Written { title: "damping per unit mass (1/s)", number: &power_of_ten };
-    let beside = Written { title: "stiffness per unit mass (1/s²)", number: &power_of_ten };
+    let below = AxisLabels { title: "damping per unit mass (1/s)", number: &power_of_ten };
+    let beside = AxisLabels { title: "stiffness per unit mass (1/s²)", number: &power_of_ten };
     axes.draw(ui, &below, &beside);
     borders(ui, &axes, shown, measured);
     let dot = inside(inner, axes.place(shown.now.damping, shown.now.stiffness));
@@ -94,7 +94,7 @@ fn zones(ui: &Ui, axes: &LogAxes, shown: &PlaneShown) {
     let colors = theme::of(ui);
     let (top, bottom) = (axes.inner.top(), axes.inner.bottom());
     if shown.border.is_empty() {
-        ui.painter().rect_filled(axes.inner, 0.0, colors.good.gamma_multiply(ZONE));
+        ui.painter().rect_filled(axes.inner, 0.0, colors.good.gamma_multiply(ZONE_OPACITY));
         return;
     }
     let heights = |of: &[Place]| of.iter().map(|at| inside(axes.inner, axes.place(at.damping, at.stiffness))).collect();
@@ -112,7 +112,7 @@ fn zones(ui: &Ui, axes: &LogAxes, shown: &PlaneShown) {
 /// The part of a zone between two neighbouring values on the horizontal axis.
 fn band(ui: &Ui, across: [f32; 2], [above, below]: [[f32; 2]; 2], color: Color32) {
     let mut mesh = Mesh::default();
-    let color = color.gamma_multiply(ZONE);
+    let color = color.gamma_multiply(ZONE_OPACITY);
     for (x, y) in [(0, above[0]), (1, above[1]), (1, below[1]), (0, below[0])] {
         mesh.vertices.push(Vertex { pos: pos2(across[x], y), uv: egui::epaint::WHITE_UV, color });
     }
@@ -141,10 +141,10 @@ fn cells(ui: &Ui, axes: &LogAxes, map: &StabilityMap) {
 fn color_of(ui: &Ui, survived: usize, watched: usize) -> Color32 {
     let colors = theme::of(ui);
     if survived >= watched {
-        return colors.good.gamma_multiply(2.0 * ZONE);
+        return colors.good.gamma_multiply(2.0 * ZONE_OPACITY);
     }
     let share = ((survived + 1) as f32).ln() / (watched as f32).ln();
-    colors.error.lerp_to_gamma(colors.warning, share).gamma_multiply(CELL)
+    colors.error.lerp_to_gamma(colors.warning, share).gamma_multiply(CELL_OPACITY)
 }
 
 /// The borders: the predicted one as a line, with the margin as a dashed line, and the measured one.
@@ -183,8 +183,8 @@ fn measured_stroke(ui: &Ui) -> Stroke {
 
 fn dot_ui(ui: &Ui, at: Pos2) {
     let colors = theme::of(ui);
-    ui.painter().circle_filled(at, RADIUS + 1.5, colors.panel);
-    ui.painter().circle_filled(at, RADIUS, colors.accent);
+    ui.painter().circle_filled(at, DOT_RADIUS + 1.5, colors.panel);
+    ui.painter().circle_filled(at, DOT_RADIUS, colors.accent);
 }
 
 /// The explanations of lines and colours.
@@ -224,7 +224,7 @@ fn explain(ui: &Ui, first: Pos2, shown: &PlaneShown, is_measured: bool) {
         let zones = [(Zone::Safe, colors.good), (Zone::Stable, colors.warning), (Zone::Unstable, colors.error)];
         // Without a stable step, the first two zones are one.
         for (zone, color) in zones.into_iter().skip(usize::from(!has_stable_step)) {
-            row(predicted_words(zone, has_stable_step), &square(color.gamma_multiply(2.0 * ZONE)));
+            row(predicted_words(zone, has_stable_step), &square(color.gamma_multiply(2.0 * ZONE_OPACITY)));
         }
     }
 }

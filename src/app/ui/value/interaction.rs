@@ -33,11 +33,11 @@ impl Interaction {
 }
 
 /// The value during a drag: the sandbox answers a frame later, and must not pull the knob back.
-pub(super) fn held(ui: &Ui, id: Id) -> Option<f64> {
+pub(super) fn drag_value(ui: &Ui, id: Id) -> Option<f64> {
     ui.data(|data| data.get_temp(id.with("held")))
 }
 
-pub(super) fn hold(ui: &Ui, id: Id, value: Option<f64>) {
+pub(super) fn set_drag_value(ui: &Ui, id: Id, value: Option<f64>) {
     ui.data_mut(|data| match value {
         Some(value) => _ = data.insert_temp(id.with("held"), value),
         None => data.remove::<f64>(id.with("held")),

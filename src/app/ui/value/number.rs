@@ -9,7 +9,7 @@ use egui::{Color32, Direction, DragValue, Id, Layout, Sense, TextStyle, Ui, UiBu
 use super::super::figure::{figure, parse, rounded, short_figure, whole_figure};
 use super::super::tip::tip_ui;
 use super::help::{help, hint};
-use super::interaction::{Interaction, differs, held, hold};
+use super::interaction::{Interaction, differs, drag_value, set_drag_value};
 use super::scale::ends;
 use crate::scene::param::{Kind, Param};
 
@@ -23,7 +23,7 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
     let Some((min, max)) = ends(param) else { return Interaction::default() };
     let whole = matches!(param.kind, Kind::Integer { .. });
     let dragged_id = id.with("number");
-    let mut shown = held(ui, dragged_id).unwrap_or(*value);
+    let mut shown = drag_value(ui, dragged_id).unwrap_or(*value);
     let speed = match param.logarithmic {
         true => (shown.abs() * 0.01).max(1e-9),
         false if whole => 0.1,
@@ -92,7 +92,7 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
             hint(ui, id, Some(format!("{} is outside {}", figure(shown), param.range_text())));
         }
     }
-    hold(ui, dragged_id, dragged.then_some(shown));
+    set_drag_value(ui, dragged_id, dragged.then_some(shown));
     interaction
 }
 

@@ -18,26 +18,26 @@ use super::super::figure::rounded;
 use crate::scene::param::{Kind, Param};
 
 /// The least positive value of a logarithmic range from zero, in decades below the greatest value.
-const DECADES: f64 = 10.0;
+const LOG_RANGE_DECADES: f64 = 10.0;
 /// Decades per point of a drag: ten points are a third more or a quarter less.
 const DECADES_PER_POINT: f64 = 0.0124;
 /// The most decades in a window, however long the track.
-const MOST_DECADES: f64 = 3.0;
+const MAX_WINDOW_DECADES: f64 = 3.0;
 /// The fraction of a window at the left end that stands for zero, if the window has zero.
 const ZERO_SHARE: f64 = 0.1;
 /// A drag of this many points past an end counts twice.
-const HURRY_POINTS: f64 = 56.0;
+const DOUBLING_POINTS: f64 = 56.0;
 /// The fraction of a window at each end in which a value does not stay after the drag: the window moves.
-const EDGE: f64 = 0.12;
+const EDGE_SHARE: f64 = 0.12;
 /// An evenly divided range is shown in part if its default is below this fraction of its end.
-const FEW: f64 = 0.2;
+const MAX_DEFAULT_SHARE: f64 = 0.2;
 /// The values within a decade at which a step of a key or the wheel may end.
-const STEPS: [f64; 11] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
+const DECADE_STEPS: [f64; 11] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 /// Fine steps in a decade, and in a coarse step of an even range.
-const FINE_STEPS: f64 = 100.0;
-const FINE_PARTS: f64 = 10.0;
+const FINE_STEPS_PER_DECADE: f64 = 100.0;
+const FINE_STEPS_PER_COARSE: f64 = 10.0;
 /// The least number of coarse steps along an evenly divided window.
-const EVEN_STEPS: f64 = 20.0;
+const MIN_EVEN_STEPS: f64 = 20.0;
 
 /// The arrangement of a parameter's values on its track.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,11 +54,11 @@ pub(super) struct Scale {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Form {
     /// All of the range, evenly.
-    Whole,
+    Linear,
     /// From zero to about three times the value, evenly.
-    FromZero,
+    LinearFromZero,
     /// Logarithmic: equal factors are equal distances.
-    Factors,
+    Logarithmic,
 }
 
 /// The part of a range that a track shows.
@@ -78,47 +78,47 @@ impl Scale {
         let (min, max) = ends(param)?;
         let usual = param.default_value().and_then(|default| default.as_f64());
         let form = match usual {
-            _ if param.logarithmic => Form::Factors,
-            Some(usual) if min == 0.0 && usual < FEW * max => Form::FromZero,
-            _ => Form::Whole,
+            _ if param.logarithmic => Form::Logarithmic,
+            Some(usual) if min == 0.0 && usual < MAX_DEFAULT_SHARE * max => Form::LinearFromZero,
+            _ => Form::Linear,
         };
         let mut scale = Self { min, max, form, usual: 0.0, points: points.max(1.0) };
-        let middle = if form == Form::Factors { (scale.least() * max).sqrt() } else { 0.1 * max };
+        let middle = if form == Form::Logarithmic { (scale.min_positive() * max).sqrt() } else { 0.1 * max };
         scale.usual = usual.filter(|usual| *usual > 0.0).unwrap_or(middle);
         Some(scale)
     }
 
     /// The least positive value.
-    fn least(&self) -> f64 {
-        if self.min > 0.0 { self.min } else { self.max * 10_f64.powf(-DECADES) }
+    fn min_positive(&self) -> f64 {
+        if self.min > 0.0 { self.min } else { self.max * 10_f64.powf(-LOG_RANGE_DECADES) }
     }
 
     /// Decades in a window without zero.
     fn decades(&self) -> f64 {
-        let all = (self.max / self.least()).log10();
-        (DECADES_PER_POINT * self.points).clamp(1.0, MOST_DECADES).min(all)
+        let all = (self.max / self.min_positive()).log10();
+        (DECADES_PER_POINT * self.points).clamp(1.0, MAX_WINDOW_DECADES).min(all)
     }
 
     /// The window that begins at a value, or the last one if that would end beyond the greatest value.
     fn window_from(&self, low: f64, zero: bool) -> Window {
         let width = 10_f64.powf(self.decades() * if zero { 1.0 - ZERO_SHARE } else { 1.0 });
-        let low = low.clamp(self.least(), self.max / width);
+        let low = low.clamp(self.min_positive(), self.max / width);
         Window { low, high: low * width, zero }
     }
 
     /// The window with a value in its middle.
     pub(super) fn window_around(&self, value: f64) -> Window {
         match self.form {
-            Form::Whole => Window { low: self.min, high: self.max, zero: false },
-            Form::FromZero => {
+            Form::Linear => Window { low: self.min, high: self.max, zero: false },
+            Form::LinearFromZero => {
                 let value = if value > 0.0 { value } else { self.usual };
                 Window { low: 0.0, high: round_above(3.0 * value).min(self.max), zero: false }
             }
-            Form::Factors => {
-                let zero = value < self.least();
+            Form::Logarithmic => {
+                let zero = value < self.min_positive();
                 let middle = if zero { self.usual } else { value };
                 let window = self.window_from(middle * 10_f64.powf(-0.5 * self.decades()), zero);
-                let at_least = self.min == 0.0 && window.low <= self.least();
+                let at_least = self.min == 0.0 && window.low <= self.min_positive();
                 self.window_from(window.low, zero || at_least)
             }
         }
@@ -126,30 +126,30 @@ impl Scale {
 
     /// Whether a value is in a window and not too near to its ends.
     pub(super) fn suits(&self, window: Window, value: f64) -> bool {
-        if self.form == Form::Whole {
+        if self.form == Form::Linear {
             return true;
         }
-        if value < self.least() && self.form == Form::Factors || value <= 0.0 {
+        if value < self.min_positive() && self.form == Form::Logarithmic || value <= 0.0 {
             return self.shows(window, value);
         }
         let place = self.place(window, value);
-        let left = EDGE <= place || (self.form == Form::Factors && window.low <= self.least());
-        let right = place <= 1.0 - EDGE || window.high >= 0.999 * self.max;
+        let left = EDGE_SHARE <= place || (self.form == Form::Logarithmic && window.low <= self.min_positive());
+        let right = place <= 1.0 - EDGE_SHARE || window.high >= 0.999 * self.max;
         self.shows(window, value) && left && right
     }
 
     /// Whether a value is in a window at all.
     pub(super) fn shows(&self, window: Window, value: f64) -> bool {
         let within = (0.999 * window.low..=1.001 * window.high).contains(&value);
-        within || (value < self.least() && window.zero)
+        within || (value < self.min_positive() && window.zero)
     }
 
     /// The place of a value in a window, 0 to 1.
     pub(super) fn place(&self, window: Window, value: f64) -> f64 {
-        if self.form != Form::Factors {
+        if self.form != Form::Logarithmic {
             return ((value - window.low) / (window.high - window.low)).clamp(0.0, 1.0);
         }
-        if value < self.least() {
+        if value < self.min_positive() {
             return 0.0;
         }
         let zero = if window.zero { ZERO_SHARE } else { 0.0 };
@@ -161,47 +161,47 @@ impl Scale {
     /// moves.
     pub(super) fn value(&self, window: Window, place: f64) -> (f64, Window) {
         let (value, window) = match self.form {
-            Form::Whole => (self.min + place.clamp(0.0, 1.0) * (self.max - self.min), window),
-            Form::FromZero if place <= 1.0 => (place.max(0.0) * window.high, window),
-            Form::FromZero => {
-                let high = (window.high * self.hurried(place - 1.0).exp()).min(self.max);
+            Form::Linear => (self.min + place.clamp(0.0, 1.0) * (self.max - self.min), window),
+            Form::LinearFromZero if place <= 1.0 => (place.max(0.0) * window.high, window),
+            Form::LinearFromZero => {
+                let high = (window.high * self.accelerated(place - 1.0).exp()).min(self.max);
                 (high, Window { high, ..window })
             }
-            Form::Factors => self.factors(window, place),
+            Form::Logarithmic => self.logarithmic_value(window, place),
         };
         (rounded(value).clamp(self.min, self.max), window)
     }
 
-    fn factors(&self, window: Window, place: f64) -> (f64, Window) {
+    fn logarithmic_value(&self, window: Window, place: f64) -> (f64, Window) {
         let (zero, decades) = (if window.zero { ZERO_SHARE } else { 0.0 }, self.decades());
         if window.zero && place < zero {
             return (self.min, window);
         }
         if place > 1.0 {
-            let high = window.high * 10_f64.powf(decades * self.hurried(place - 1.0));
+            let high = window.high * 10_f64.powf(decades * self.accelerated(place - 1.0));
             return (high.min(self.max), self.window_from(high * 10_f64.powf(-decades), false));
         }
         if place >= 0.0 {
             return (window.low * 10_f64.powf(decades * (place - zero)), window);
         }
-        let low = window.low * 10_f64.powf(-decades * self.hurried(-place));
-        let at_end = low <= self.least();
+        let low = window.low * 10_f64.powf(-decades * self.accelerated(-place));
+        let at_end = low <= self.min_positive();
         let value = if at_end { self.min } else { low };
         (value, self.window_from(low, at_end && self.min == 0.0))
     }
 
     /// The effective length of a drag past an end, both as fractions of the track.
-    fn hurried(&self, beyond: f64) -> f64 {
-        beyond * (1.0 + beyond * self.points / HURRY_POINTS)
+    fn accelerated(&self, beyond: f64) -> f64 {
+        beyond * (1.0 + beyond * self.points / DOUBLING_POINTS)
     }
 
     /// The value after some steps of a key or the wheel.
     pub(super) fn stepped(&self, window: Window, value: f64, steps: i32, fine: bool) -> f64 {
         let one = |value: f64, _| match self.form {
-            Form::Factors => self.step_by_factor(value, steps > 0, fine),
-            Form::Whole | Form::FromZero => {
-                let coarse = round_above((window.high - window.low) / EVEN_STEPS);
-                let step = if fine { coarse / FINE_PARTS } else { coarse };
+            Form::Logarithmic => self.step_by_factor(value, steps > 0, fine),
+            Form::Linear | Form::LinearFromZero => {
+                let coarse = round_above((window.high - window.low) / MIN_EVEN_STEPS);
+                let step = if fine { coarse / FINE_STEPS_PER_COARSE } else { coarse };
                 ((value / step).round() + f64::from(steps.signum())) * step
             }
         };
@@ -209,23 +209,23 @@ impl Scale {
     }
 
     fn step_by_factor(&self, value: f64, up: bool, fine: bool) -> f64 {
-        if value < self.least() {
+        if value < self.min_positive() {
             return if up { rounded(self.window_around(0.0).low) } else { self.min };
         }
         let next = if fine {
-            let factor = 10_f64.powf(1.0 / FINE_STEPS);
+            let factor = 10_f64.powf(1.0 / FINE_STEPS_PER_DECADE);
             rounded(if up { value * factor } else { value / factor })
         } else {
             // A value within a rounding error of a round number counts as that number.
             let decade = 10_f64.powf((value * 1.000_001).log10().floor());
             let share = value / decade;
             if up {
-                decade * STEPS.into_iter().find(|step| *step > 1.001 * share).unwrap_or(10.0)
+                decade * DECADE_STEPS.into_iter().find(|step| *step > 1.001 * share).unwrap_or(10.0)
             } else {
-                decade * STEPS.into_iter().rev().find(|step| *step < 0.999 * share).unwrap_or(0.8)
+                decade * DECADE_STEPS.into_iter().rev().find(|step| *step < 0.999 * share).unwrap_or(0.8)
             }
         };
-        if next < 0.999 * self.least() { self.min } else { next }
+        if next < 0.999 * self.min_positive() { self.min } else { next }
     }
 }
 

@@ -10,7 +10,7 @@ use egui::{
 use super::super::figure::{figure, rounded};
 use super::super::tip::tip_ui;
 use super::help::{help, hint_ui, label_ui};
-use super::interaction::{Interaction, differs, held, hold};
+use super::interaction::{Interaction, differs, drag_value, set_drag_value};
 use super::number::{NUMBER_WIDTH, number_ui};
 use super::scale::{Scale, Window, ends};
 use crate::app::ui::theme;
@@ -19,15 +19,15 @@ use crate::scene::Family;
 use crate::scene::param::{self, Param};
 
 /// With shift held, a drag changes the value by this factor less.
-const FINE: f64 = 0.1;
+const FINE_DRAG_FACTOR: f64 = 0.1;
 /// Radius of the knob, points.
-const KNOB: f32 = 6.0;
+const KNOB_RADIUS: f32 = 6.0;
 /// The farthest from the middle of the knob at which a press takes hold of it, points.
-const REACH: f32 = 9.0;
+const KNOB_HIT_RADIUS: f32 = 9.0;
 /// Steps belong to one change until none has come for this time, s.
-const QUIET_SECS: f64 = 0.4;
+const STEP_PAUSE_SECS: f64 = 0.4;
 /// Scrolling by this many points on a trackpad is a step.
-const POINTS_A_STEP: f32 = 40.0;
+const POINTS_PER_STEP: f32 = 40.0;
 /// The time in which the window of a track glides to its new place, s.
 const GLIDE_SECS: f32 = 0.15;
 
@@ -63,7 +63,7 @@ pub(in crate::app::ui) fn slider_ui(
         return Interaction::default();
     };
     let id = ui.scope_id().with((path, label));
-    let mut shown = held(ui, id).unwrap_or(*value);
+    let mut shown = drag_value(ui, id).unwrap_or(*value);
     let mut interaction = Interaction::default();
     ui.horizontal(|ui| {
         label_ui(ui, label, param);
@@ -108,7 +108,7 @@ struct Track<'a> {
 
 /// The beginning of a drag: the pointer's place, and what the track showed there.
 #[derive(Clone, Copy)]
-struct Grip {
+struct KnobDrag {
     window: Window,
     place: f64,
     x: f32,
@@ -119,7 +119,7 @@ impl Track<'_> {
     /// The track with its knob at a value.
     fn ui(&self, ui: &mut Ui, value: &mut f64) -> Interaction {
         let (rect, _) = ui.allocate_exact_size(vec2(self.width, ui.spacing().interact_size.y), Sense::hover());
-        let line = rect.shrink2(vec2(KNOB, 0.0));
+        let line = rect.shrink2(vec2(KNOB_RADIUS, 0.0));
         let Some(scale) = Scale::of(self.param, f64::from(line.width())) else { return Interaction::default() };
         let response = ui.interact(rect, self.id.with("track"), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::slider(ui.is_enabled(), *value, format!("{} slider", self.label)));
@@ -135,7 +135,7 @@ impl Track<'_> {
         } else if response.clicked() {
             response.request_focus();
             if let Some(hand) = response.interact_pointer_pos()
-                && (hand.x - at(line, &scale, window, *value)).abs() > REACH
+                && (hand.x - at(line, &scale, window, *value)).abs() > KNOB_HIT_RADIUS
             {
                 *value = scale.value(window, place(line, hand.x)).0;
                 interaction.ended = true;
@@ -143,7 +143,7 @@ impl Track<'_> {
         }
         if response.drag_stopped() {
             interaction.ended = true;
-            ui.data_mut(|data| data.remove::<Grip>(self.id));
+            ui.data_mut(|data| data.remove::<KnobDrag>(self.id));
         }
         let steps = wheel(ui, &response, self.id) + keys(ui, &response);
         let fine = ui.input(|input| input.modifiers.shift);
@@ -155,7 +155,7 @@ impl Track<'_> {
         }
         let stepping = self.stepping(ui, &response, steps != 0, &mut interaction);
         interaction.changed = differs(before, *value);
-        hold(ui, self.id, (response.dragged() || stepping).then_some(*value));
+        set_drag_value(ui, self.id, (response.dragged() || stepping).then_some(*value));
         ui.data_mut(|data| data.insert_temp(self.id, window));
         let shown = self.glide(ui, &response, window);
         self.paint(ui, &response, line, &scale, shown, *value);
@@ -179,21 +179,21 @@ impl Track<'_> {
     fn drag(&self, ui: &Ui, response: &Response, line: Rect, scale: &Scale, window: &mut Window, value: &mut f64) {
         let Some(hand) = response.interact_pointer_pos() else { return };
         let fine = ui.input(|input| input.modifiers.shift);
-        let grip = ui.data(|data| data.get_temp::<Grip>(self.id)).filter(|grip| grip.fine == fine);
+        let grip = ui.data(|data| data.get_temp::<KnobDrag>(self.id)).filter(|grip| grip.fine == fine);
         let grip = grip.unwrap_or_else(|| {
             let pressed = ui.input(|input| input.pointer.press_origin()).unwrap_or(hand);
             let knob = at(line, scale, *window, *value);
             let begins = response.drag_started();
-            let jumps = begins && (pressed.x - knob).abs() > REACH;
+            let jumps = begins && (pressed.x - knob).abs() > KNOB_HIT_RADIUS;
             let x = if begins { pressed.x } else { hand.x };
             let place = if jumps { place(line, x) } else { scale.place(*window, *value) };
-            Grip { window: *window, place, x, fine }
+            KnobDrag { window: *window, place, x, fine }
         });
         ui.data_mut(|data| data.insert_temp(self.id, grip));
         if hand.x.to_bits() == grip.x.to_bits() && !response.drag_started() {
             return;
         }
-        let way = f64::from((hand.x - grip.x) / line.width()) * if fine { FINE } else { 1.0 };
+        let way = f64::from((hand.x - grip.x) / line.width()) * if fine { FINE_DRAG_FACTOR } else { 1.0 };
         (*value, *window) = scale.value(grip.window, grip.place + way);
     }
 
@@ -204,9 +204,9 @@ impl Track<'_> {
             ui.data_mut(|data| data.insert_temp(id, now));
         }
         let Some(last) = ui.data(|data| data.get_temp::<f64>(id)) else { return false };
-        let goes_on = now - last < QUIET_SECS && !response.dragged();
+        let goes_on = now - last < STEP_PAUSE_SECS && !response.dragged();
         if goes_on {
-            ui.ctx().request_repaint_after(Duration::from_secs_f64(QUIET_SECS));
+            ui.ctx().request_repaint_after(Duration::from_secs_f64(STEP_PAUSE_SECS));
         } else {
             ui.data_mut(|data| data.remove::<f64>(id));
             interaction.ended = true;
@@ -261,14 +261,14 @@ impl Track<'_> {
             } else {
                 // An arrow towards the bound.
                 let (end, way) = if safe > window.high { (line.right(), 1.0) } else { (line.left(), -1.0) };
-                let (tip, base) = (pos2(end + way * KNOB, middle), end - way);
+                let (tip, base) = (pos2(end + way * KNOB_RADIUS, middle), end - way);
                 let corners = vec![tip, pos2(base, middle - 6.0), pos2(base, middle + 6.0)];
                 painter.add(Shape::convex_polygon(corners, color, Stroke::NONE));
             }
         }
         let visuals = ui.style().interact(response);
         let knob = pos2(x(value), middle);
-        painter.circle(knob, KNOB, visuals.fg_stroke.color, Stroke::new(1.0, ui.visuals().panel_fill));
+        painter.circle(knob, KNOB_RADIUS, visuals.fg_stroke.color, Stroke::new(1.0, ui.visuals().panel_fill));
         if response.has_focus() {
             let around = Rect::from_center_size(knob, Vec2::splat(16.0));
             painter.rect_stroke(around, 8.0, Stroke::new(1.5, theme::of(ui).accent), StrokeKind::Outside);
@@ -339,7 +339,7 @@ fn wheel(ui: &Ui, response: &Response, id: Id) -> i32 {
     }
     if !is_own {
         let (moved, now) = ui.input(|input| (input.pointer.delta() != Vec2::ZERO, input.time));
-        if !moved || now - wheel.scrolled_secs < QUIET_SECS {
+        if !moved || now - wheel.scrolled_secs < STEP_PAUSE_SECS {
             return 0;
         }
         Wheel { track: Some(id), ..wheel }.store(ui);
@@ -349,7 +349,7 @@ fn wheel(ui: &Ui, response: &Response, id: Id) -> i32 {
         let turns = input.events.iter().filter_map(|event| match event {
             Event::MouseWheel { unit, delta, modifiers, .. } if !modifiers.command => {
                 let delta = if delta.y == 0.0 { delta.x } else { delta.y };
-                Some(if *unit == MouseWheelUnit::Point { delta / POINTS_A_STEP } else { delta })
+                Some(if *unit == MouseWheelUnit::Point { delta / POINTS_PER_STEP } else { delta })
             }
             _ => None,
         });

@@ -9,7 +9,7 @@ use crate::session::progress::Progress;
 use crate::session::{Session, SessionError};
 
 /// Work that ends sooner than this is not reported.
-const TOLD_AFTER: Duration = Duration::from_millis(300);
+const REPORT_DELAY: Duration = Duration::from_millis(300);
 
 /// Opens a session, and gives up when it is no longer wanted, even in parts that do not look for that themselves.
 pub(super) fn open(opened: Opened, progress: &Arc<Progress>) -> Result<Session, SessionError> {
@@ -19,11 +19,11 @@ pub(super) fn open(opened: Opened, progress: &Arc<Progress>) -> Result<Session, 
 
 /// The newest request of its kind, while it is not done.
 #[derive(Debug, Default)]
-pub(super) struct Awaited {
-    asked: Mutex<Option<(Instant, Arc<Progress>)>>,
+pub(super) struct PendingWork {
+    pending: Mutex<Option<(Instant, Arc<Progress>)>>,
 }
 
-impl Awaited {
+impl PendingWork {
     /// Notes a new request and returns its progress.
     pub(super) fn begin(&self) -> Arc<Progress> {
         let progress = Arc::new(Progress::default());
@@ -33,22 +33,22 @@ impl Awaited {
 
     /// Notes that a request is done or has failed.
     pub(super) fn end(&self, progress: &Arc<Progress>) {
-        let mut asked = self.lock();
-        if asked.as_ref().is_some_and(|(_, newest)| Arc::ptr_eq(newest, progress)) {
-            *asked = None;
+        let mut pending = self.lock();
+        if pending.as_ref().is_some_and(|(_, newest)| Arc::ptr_eq(newest, progress)) {
+            *pending = None;
         }
     }
 
     /// The progress of the request, once it takes long.
-    pub(super) fn told(&self) -> Option<Arc<Progress>> {
-        let asked = self.lock();
-        let (since, progress) = asked.as_ref()?;
-        (since.elapsed() >= TOLD_AFTER).then(|| Arc::clone(progress))
+    pub(super) fn reported(&self) -> Option<Arc<Progress>> {
+        let pending = self.lock();
+        let (since, progress) = pending.as_ref()?;
+        (since.elapsed() >= REPORT_DELAY).then(|| Arc::clone(progress))
     }
 
     /// When the request will begin to be reported, unless it is done by then; `None` if it is reported already.
-    pub(super) fn told_at(&self) -> Option<Instant> {
-        let at = self.lock().as_ref().map(|(since, _)| *since + TOLD_AFTER);
+    pub(super) fn report_time(&self) -> Option<Instant> {
+        let at = self.lock().as_ref().map(|(since, _)| *since + REPORT_DELAY);
         at.filter(|at| *at > Instant::now())
     }
 
@@ -61,6 +61,6 @@ impl Awaited {
 
     fn lock(&self) -> MutexGuard<'_, Option<(Instant, Arc<Progress>)>> {
         // The value is written in one piece.
-        self.asked.lock().unwrap_or_else(PoisonError::into_inner)
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

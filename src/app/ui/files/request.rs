@@ -7,7 +7,7 @@ use crate::session::jellify::Wanted;
 
 /// A request that only the window can fulfil.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Wish {
+pub enum FileRequest {
     /// Show the system's own dialog; its answer goes to [`super::FilesState::browsed`].
     Browse(PathUse, PathBuf),
     /// Close the window.
