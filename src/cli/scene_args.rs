@@ -181,7 +181,7 @@ impl Changes {
     pub(super) fn start_threads(&self) -> Result<(), Failure> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the range of the option")]
         if let Some(gigabytes) = self.memory {
-            machine::allow((gigabytes * 1e9) as u64);
+            machine::allow_memory((gigabytes * 1e9) as u64);
         }
         choose_simd(&self.simd)?;
         start_threads(self.threads)

@@ -10,7 +10,7 @@ use super::Lattice;
 use super::places::Places;
 
 /// No cell of the lattice.
-const NONE: u32 = u32::MAX;
+const NO_CELL: u32 = u32::MAX;
 
 /// A point as a mean of the eight particles of a cell: Σ weight · particle. Exact for affine motion, the identity at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +82,7 @@ impl<'a> Embedder<'a> {
         // (a, b, normal) is right-handed: a × b = normal.
         let (a, b) = normal.any_orthonormal_pair();
         let per_metre = 1.0 / grid.cell_size;
-        NormalEmbedding { along: [a, b].map(|tangent| slopes(inner, tangent * per_metre)) }
+        NormalEmbedding { along: [a, b].map(|tangent| weight_derivatives(inner, tangent * per_metre)) }
     }
 
     /// The nearest filled cell to a point given in cells from the grid's origin.
@@ -103,7 +103,7 @@ impl<'a> Embedder<'a> {
         }
         best.map(|(_, cell)| cell).or_else(|| {
             let nearby = self.nearby.get_or_init(|| self.spread());
-            Some(nearby[self.lattice.grid.index(home)]).filter(|&cell| cell != NONE)
+            Some(nearby[self.lattice.grid.index(home)]).filter(|&cell| cell != NO_CELL)
         })
     }
 
@@ -130,7 +130,7 @@ impl<'a> Embedder<'a> {
     /// Lets filled cells claim the cells around them, layer by layer.
     fn spread(&self) -> Vec<u32> {
         let grid = self.lattice.grid;
-        let mut claimed = vec![NONE; grid.len()];
+        let mut claimed = vec![NO_CELL; grid.len()];
         let mut front: VecDeque<[u32; 3]> = self.cells.iter().map(|place| grid.cell(place)).collect();
         for (number, place) in (0..).zip(self.cells.iter()) {
             claimed[place] = number;
@@ -139,7 +139,7 @@ impl<'a> Embedder<'a> {
             let owner = claimed[grid.index(cell)];
             for next in grid.around(cell) {
                 let claim = &mut claimed[grid.index(next)];
-                if *claim == NONE {
+                if *claim == NO_CELL {
                     *claim = owner;
                     front.push_back(next);
                 }
@@ -159,7 +159,7 @@ fn weights(inner: DVec3) -> [f64; 8] {
 }
 
 /// The derivative of the weights along a direction, both in the cell's own coordinates.
-fn slopes(inner: DVec3, direction: DVec3) -> [f64; 8] {
+fn weight_derivatives(inner: DVec3, direction: DVec3) -> [f64; 8] {
     let [x, y, z] = [0, 1, 2].map(|axis| [1.0 - inner[axis], inner[axis]]);
     let sign = [-1.0, 1.0];
     [0, 1, 2, 3, 4, 5, 6, 7].map(|place| {

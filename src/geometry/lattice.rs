@@ -82,7 +82,7 @@ impl Lattice {
             Self { grid, corners, links, cells: cells_of, shares: None, surface, mesh: None, parts: None };
         lattice.corners.extend(table.iter());
         for (particle, &corner) in (0..).zip(&lattice.corners) {
-            table.link(corner, |family, other| lattice.links[family].push([particle, other]));
+            table.visit_links(corner, |family, other| lattice.links[family].push([particle, other]));
         }
         lattice.cells.extend(cells.iter().map(|cell| table.particles_of(cell)));
         lattice
@@ -117,13 +117,13 @@ impl Lattice {
     /// Returns for every cell one more than the index in `wanted` of the model's part that it belongs to, 0 if it belongs to
     /// none of them; none if the model names no parts. For a part that is wanted twice the last index counts.
     pub fn cells_of_parts(&self, wanted: &[&str]) -> Option<Vec<u32>> {
-        self.part_cells().map(|(cells, parts)| cells.chosen(&parts.names, wanted))
+        self.part_cells().map(|(cells, parts)| cells.part_of_each(&parts.names, wanted))
     }
 
     /// Returns the cells with surface of several wanted parts (0: of none of them), with each part's share, the largest
     /// first; empty if the model names no parts.
     pub fn cells_of_several_parts(&self, wanted: &[&str]) -> Vec<(usize, Vec<(u32, f64)>)> {
-        self.part_cells().map_or_else(Vec::new, |(cells, parts)| cells.shared(&parts.names, wanted))
+        self.part_cells().map_or_else(Vec::new, |(cells, parts)| cells.cells_of_several(&parts.names, wanted))
     }
 
     /// The parts of the model in the order of its file.
@@ -197,8 +197,8 @@ const DIRECTIONS: [[i32; 3]; 13] = [
 ];
 
 /// For every direction, which of the eight cells around a corner also hold the corner one step away, as bits of
-/// [`CornerTable::around`].
-const HOLDERS: [u8; 13] = {
+/// [`CornerTable::filled_around`].
+const CELLS_OF_LINK: [u8; 13] = {
     let mut holders = [0; 13];
     let mut at = 0;
     while at < 13 {
@@ -226,26 +226,26 @@ struct CornerTable {
     particles: Places,
     /// Which of the eight cells around a particle are filled: bit 0 of a bit's index says that the cell lies on the upper
     /// side in x, bit 1 in y, bit 2 in z.
-    around: Vec<u8>,
+    filled_around: Vec<u8>,
 }
 
 impl CornerTable {
     fn new(cells: &Cells) -> Self {
         let corners = Grid { dims: cells.grid.dims.map(|n| n + 1), ..cells.grid };
         let places = |cell: [u32; 3]| (0..8).map(move |place| (place, corners.index(corner_of(cell, place))));
-        let mut met = FixedBitSet::with_capacity(corners.len());
+        let mut used = FixedBitSet::with_capacity(corners.len());
         for cell in cells.iter() {
-            places(cell).for_each(|(_, corner)| met.insert(corner));
+            places(cell).for_each(|(_, corner)| used.insert(corner));
         }
-        let particles = Places::new(met);
-        let mut around = vec![0_u8; particles.len()];
+        let particles = Places::new(used);
+        let mut filled_around = vec![0_u8; particles.len()];
         for (place, corner) in cells.iter().flat_map(places) {
             if let Some(particle) = particles.number(corner) {
                 // Seen from its lowest corner (place 0) a cell lies on the upper side of all three axes (bit 7).
-                around[particle as usize] |= 1 << (7 - place);
+                filled_around[particle as usize] |= 1 << (7 - place);
             }
         }
-        Self { corners, particles, around }
+        Self { corners, particles, filled_around }
     }
 
     /// The corners that have a particle, ascending.
@@ -255,12 +255,12 @@ impl CornerTable {
 
     fn counts(&self) -> LatticeCounts {
         let mut counts = LatticeCounts { grid_corners: self.corners.len(), ..LatticeCounts::default() };
-        for (corner, around) in self.iter().zip(&self.around) {
+        for (corner, filled_around) in self.iter().zip(&self.filled_around) {
             counts.particles += 1;
-            counts.surface += usize::from(*around != u8::MAX);
+            counts.surface += usize::from(*filled_around != u8::MAX);
             // Every cell is counted where it is on the upper side of all three axes.
-            counts.cells += usize::from(around >> 7);
-            self.link(corner, |family, _| counts.links[family] += 1);
+            counts.cells += usize::from(filled_around >> 7);
+            self.visit_links(corner, |family, _| counts.links[family] += 1);
         }
         counts
     }
@@ -275,10 +275,10 @@ impl CornerTable {
     }
 
     /// Calls `found` with the family and other end of the links that lead from a corner to higher ones.
-    fn link(&self, corner: [u32; 3], mut found: impl FnMut(usize, u32)) {
-        let around = self.around[self.particle(corner) as usize];
-        for (direction, holders) in DIRECTIONS.into_iter().zip(HOLDERS) {
-            if around & holders == 0 {
+    fn visit_links(&self, corner: [u32; 3], mut found: impl FnMut(usize, u32)) {
+        let filled_around = self.filled_around[self.particle(corner) as usize];
+        for (direction, holders) in DIRECTIONS.into_iter().zip(CELLS_OF_LINK) {
+            if filled_around & holders == 0 {
                 continue;
             }
             let next = step(corner, direction);
@@ -288,7 +288,7 @@ impl CornerTable {
                 continue;
             }
             found(0, other);
-            if self.around[other as usize] & holders != 0 {
+            if self.filled_around[other as usize] & holders != 0 {
                 found(2, self.particle(step(next, direction)));
             }
         }

@@ -9,14 +9,14 @@ use std::sync::Arc;
 use crate::text::echo_up_to;
 
 /// The longest name, letters.
-const LONGEST: usize = 100;
+const MAX_NAME_LENGTH: usize = 100;
 
 /// The most combinations of names, the one without names included: a triangle's combination is stored in 16 bits.
-const MOST_LABELS: usize = 1 << 16;
+const MAX_LABELS: usize = 1 << 16;
 
 /// The kind of thing that has a name. A name that several kinds have means the first of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NameOf {
+pub enum NameKind {
     /// A material: `usemtl` of an OBJ file, a material of a glTF file.
     Material,
     /// A group: `g` of an OBJ file, a mesh of a glTF file.
@@ -25,12 +25,12 @@ pub enum NameOf {
     Object,
 }
 
-impl NameOf {
+impl NameKind {
     /// All kinds, in order of precedence.
     pub const ALL: [Self; 3] = [Self::Material, Self::Group, Self::Object];
 }
 
-/// The names of a triangle by [`NameOf`], as indices into all names.
+/// The names of a triangle by [`NameKind`], as indices into all names.
 type Label = [Option<u32>; 3];
 
 /// The names of the triangles of a mesh.
@@ -75,21 +75,21 @@ impl NamedParts {
     }
 
     /// Whether each label belongs to the part that a name means.
-    pub(super) fn is_of(&self, name: &str) -> impl Iterator<Item = bool> {
+    pub(super) fn is_in_part(&self, name: &str) -> impl Iterator<Item = bool> {
         let place = self.place(name);
         let kind = place.and_then(|place| self.kind(place)).map_or(0, |kind| kind as usize);
         self.labels.iter().map(move |label| place.is_some() && label[kind] == place)
     }
 
     /// Returns the index of each label's name of a kind.
-    pub(super) fn places(&self, kind: NameOf) -> impl Iterator<Item = Option<u32>> {
+    pub(super) fn places(&self, kind: NameKind) -> impl Iterator<Item = Option<u32>> {
         self.labels.iter().map(move |label| label[kind as usize])
     }
 
     /// Returns the kind that every name means.
-    pub(super) fn kinds(&self) -> Vec<NameOf> {
-        let mut kinds = vec![NameOf::Object; self.names.len()];
-        for kind in NameOf::ALL.into_iter().rev() {
+    pub(super) fn kinds(&self) -> Vec<NameKind> {
+        let mut kinds = vec![NameKind::Object; self.names.len()];
+        for kind in NameKind::ALL.into_iter().rev() {
             for place in self.places(kind).flatten() {
                 kinds[place as usize] = kind;
             }
@@ -102,16 +102,16 @@ impl NamedParts {
         self.names.iter().zip(0..).find(|(known, _)| **known == name).map(|(_, place)| place)
     }
 
-    fn kind(&self, place: u32) -> Option<NameOf> {
-        NameOf::ALL.into_iter().find(|&kind| self.places(kind).any(|named| named == Some(place)))
+    fn kind(&self, place: u32) -> Option<NameKind> {
+        NameKind::ALL.into_iter().find(|&kind| self.places(kind).any(|named| named == Some(place)))
     }
 }
 
 /// Collects the names of triangles while a file is read.
 #[derive(Clone, Debug)]
 pub(super) struct Namer {
-    now: [String; 3],
-    /// The label of the names in `now`, once it was looked up.
+    current: [String; 3],
+    /// The label of the names in `current`, once it was looked up.
     label: Option<u16>,
     name_places: BTreeMap<String, u32>,
     label_places: BTreeMap<Label, u16>,
@@ -123,7 +123,7 @@ pub(super) struct Namer {
 impl Namer {
     pub(super) fn new() -> Self {
         Self {
-            now: <[String; 3]>::default(),
+            current: <[String; 3]>::default(),
             label: Some(0),
             name_places: BTreeMap::new(),
             label_places: BTreeMap::from([(Label::default(), 0)]),
@@ -134,8 +134,8 @@ impl Namer {
     }
 
     /// Gives the triangles that follow this name; an empty one is none.
-    pub(super) fn call(&mut self, kind: NameOf, name: &str) {
-        self.now[kind as usize] = clean(name);
+    pub(super) fn set_name(&mut self, kind: NameKind, name: &str) {
+        self.current[kind as usize] = clean(name);
         self.label = None;
     }
 
@@ -144,14 +144,14 @@ impl Namer {
         if let Some(label) = self.label {
             return label;
         }
-        let label = self.place_of_now();
+        let label = self.label_of_current();
         self.label = Some(label);
         label
     }
 
     /// Returns the warning about a file with more names than are kept.
     pub(super) fn warning(&self) -> Option<String> {
-        let said = || format!("the model has more than {MOST_LABELS} parts with names of their own; the rest has none");
+        let said = || format!("the model has more than {MAX_LABELS} parts with names of their own; the rest has none");
         self.has_too_many.then(said)
     }
 
@@ -161,10 +161,10 @@ impl Namer {
         (labels.len() > 1).then(|| NamedParts { names: names.into(), labels, of_triangle })
     }
 
-    fn place_of_now(&mut self) -> u16 {
+    fn label_of_current(&mut self) -> u16 {
         let known = |name: &String| self.name_places.get(name).copied();
-        let places: [Option<u32>; 3] = self.now.each_ref().map(known);
-        let is_known = self.now.iter().zip(&places).all(|(name, place)| name.is_empty() || place.is_some());
+        let places: [Option<u32>; 3] = self.current.each_ref().map(known);
+        let is_known = self.current.iter().zip(&places).all(|(name, place)| name.is_empty() || place.is_some());
         if let Some(label) = self.label_places.get(&places).filter(|_| is_known) {
             return *label;
         }
@@ -173,7 +173,7 @@ impl Namer {
             return 0;
         };
         let mut places = Label::default();
-        for (name, place) in self.now.iter().zip(&mut places).filter(|(name, _)| !name.is_empty()) {
+        for (name, place) in self.current.iter().zip(&mut places).filter(|(name, _)| !name.is_empty()) {
             // Three new names a label at most.
             let next = u32::try_from(self.names.len()).unwrap_or(u32::MAX);
             let known = *self.name_places.entry(name.clone()).or_insert(next);
@@ -190,7 +190,7 @@ impl Namer {
 
 /// A name as it is kept: printable, short, without blanks around it.
 pub(super) fn clean(name: &str) -> String {
-    echo_up_to(name.trim(), LONGEST)
+    echo_up_to(name.trim(), MAX_NAME_LENGTH)
 }
 
 #[cfg(test)]
@@ -201,7 +201,7 @@ mod tests {
     pub(in crate::geometry) fn named(triangles: &[[&str; 3]]) -> Option<NamedParts> {
         let mut namer = Namer::new();
         let labels = triangles.iter().map(|names| {
-            NameOf::ALL.into_iter().zip(names).for_each(|(kind, name)| namer.call(kind, name));
+            NameKind::ALL.into_iter().zip(names).for_each(|(kind, name)| namer.set_name(kind, name));
             namer.label()
         });
         let labels = labels.collect();
@@ -209,8 +209,8 @@ mod tests {
     }
 
     fn triangles_of(parts: &NamedParts, name: &str) -> Vec<usize> {
-        let is_of: Vec<bool> = parts.is_of(name).collect();
-        (0..parts.of_triangle.len()).filter(|&triangle| is_of[usize::from(parts.label(triangle))]).collect()
+        let is_in_part: Vec<bool> = parts.is_in_part(name).collect();
+        (0..parts.of_triangle.len()).filter(|&triangle| is_in_part[usize::from(parts.label(triangle))]).collect()
     }
 
     #[test]
@@ -238,7 +238,10 @@ mod tests {
         let long = "x".repeat(500);
         let parts = named(&[["a\u{1b}[2Jb", &long, "\u{202e}"]]).expect("names");
         assert_eq!(parts.names()[0], "a\u{fffd}[2Jb", "no escape sequence");
-        assert!(parts.names()[1].chars().count() == LONGEST + 1 && parts.has(&long), "cut, and found by all of it");
+        assert!(
+            parts.names()[1].chars().count() == MAX_NAME_LENGTH + 1 && parts.has(&long),
+            "cut, and found by all of it"
+        );
         assert_eq!(parts.names()[2], "\u{fffd}");
     }
 
@@ -246,14 +249,14 @@ mod tests {
     fn more_names_than_there_may_be_are_left_out_and_told() {
         let mut namer = Namer::new();
         let mut labels = Vec::new();
-        for number in 0..MOST_LABELS + 5 {
-            namer.call(NameOf::Group, &number.to_string());
+        for number in 0..MAX_LABELS + 5 {
+            namer.set_name(NameKind::Group, &number.to_string());
             labels.push(namer.label());
         }
-        assert_eq!(labels[MOST_LABELS - 2..], [65535, 0, 0, 0, 0, 0, 0], "those too many have no name");
+        assert_eq!(labels[MAX_LABELS - 2..], [65535, 0, 0, 0, 0, 0, 0], "those too many have no name");
         assert!(namer.warning().is_some_and(|warning| warning.contains("more than 65536 parts")), "said");
-        namer.call(NameOf::Group, "7");
+        namer.set_name(NameKind::Group, "7");
         assert_eq!(namer.label(), 8, "what is known is found again");
-        assert_eq!(namer.finish(labels).expect("names").names().len(), MOST_LABELS - 1, "no name beyond");
+        assert_eq!(namer.finish(labels).expect("names").names().len(), MAX_LABELS - 1, "no name beyond");
     }
 }

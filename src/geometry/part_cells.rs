@@ -11,10 +11,10 @@ use fixedbitset::FixedBitSet;
 use serde::Serialize;
 
 use super::TriMesh;
-use super::named_parts::{NameOf, NamedParts};
+use super::named_parts::{NameKind, NamedParts};
 use super::places::Places;
 use super::voxel::Grid;
-use super::voxel::pieces::{Divider, takers};
+use super::voxel::pieces::{Divider, receiving_cells};
 
 /// The parts of a body, and its cells by part, found on first use.
 #[derive(Debug)]
@@ -47,10 +47,10 @@ impl Parts {
 
 /// The longest edge of a piece of the surface that counts for one cell, in cells: the surface in a cell is known to a
 /// sixteenth of its face.
-const PIECE: f64 = 0.125;
+const MAX_PIECE_EDGE: f64 = 0.125;
 
 /// No cell.
-const NONE: u32 = u32::MAX;
+const NO_CELL: u32 = u32::MAX;
 
 /// The surface in the cells of a model, by the label of its names.
 #[derive(Debug)]
@@ -60,7 +60,7 @@ pub struct PartCells {
     /// Where the entries of each cell begin in `areas`; one more for the end.
     begin: Vec<u32>,
     /// The cell whose part each cell takes: itself if there is surface in it.
-    like: Vec<u32>,
+    source: Vec<u32>,
 }
 
 impl PartCells {
@@ -71,7 +71,7 @@ impl PartCells {
         filled.extend(cells.iter().map(|cell| grid.index(*cell)));
         let places = Places::new(filled);
         let mut found: BTreeMap<(u32, u16), f64> = BTreeMap::new();
-        let mut divider = Divider::new(mesh, grid, PIECE);
+        let mut divider = Divider::new(mesh, grid, MAX_PIECE_EDGE);
         for triangle in 0..mesh.triangles.len() {
             let label = names.label(triangle);
             divider.pieces(triangle, |cell, area| {
@@ -79,9 +79,9 @@ impl PartCells {
                 if let Some(number) = places.number(grid.index(cell)) {
                     add(number, area);
                 } else {
-                    let takers = takers(grid, cell, |near| places.contains(near));
-                    let part = area / takers.clone().count() as f64;
-                    takers.filter_map(|near| places.number(near)).for_each(|number| add(number, part));
+                    let receiving_cells = receiving_cells(grid, cell, |near| places.contains(near));
+                    let part = area / receiving_cells.clone().count() as f64;
+                    receiving_cells.filter_map(|near| places.number(near)).for_each(|number| add(number, part));
                 }
             });
         }
@@ -93,21 +93,22 @@ impl PartCells {
             begin[cell + 1] += begin[cell];
         }
         let areas = found.into_iter().map(|((_, label), area)| (label, area)).collect();
-        let like = nearest(grid, cells, &places, |cell| begin[cell] < begin[cell + 1]);
-        Self { areas, begin, like }
+        let source = nearest(grid, cells, &places, |cell| begin[cell] < begin[cell + 1]);
+        Self { areas, begin, source }
     }
 
     /// Returns for every cell one more than the index in `wanted` of the part that it belongs to, 0 if it belongs to none of
     /// them. If several names mean the same surface, the last counts.
-    pub fn chosen(&self, names: &NamedParts, wanted: &[&str]) -> Vec<u32> {
-        self.most(&numbers(names, wanted))
+    pub fn part_of_each(&self, names: &NamedParts, wanted: &[&str]) -> Vec<u32> {
+        self.dominant_numbers(&numbers(names, wanted))
     }
 
     /// Returns the cells with surface of several numbers, and each number's share of that surface, the largest first.
-    pub fn shared(&self, names: &NamedParts, wanted: &[&str]) -> Vec<(usize, Vec<(u32, f64)>)> {
+    pub fn cells_of_several(&self, names: &NamedParts, wanted: &[&str]) -> Vec<(usize, Vec<(u32, f64)>)> {
         let numbers = numbers(names, wanted);
-        let several =
-            (0..self.like.len()).map(|cell| (cell, self.sums(cell, &numbers))).filter(|(_, sums)| sums.len() > 1);
+        let several = (0..self.source.len())
+            .map(|cell| (cell, self.areas_by_number(cell, &numbers)))
+            .filter(|(_, sums)| sums.len() > 1);
         several
             .map(|(cell, mut sums)| {
                 let whole: f64 = sums.iter().map(|(_, area)| area).sum();
@@ -125,9 +126,9 @@ impl PartCells {
         let kinds = names.kinds();
         let count_of = |name: &String| PartCount { name: name.clone(), cells: 0 };
         let mut counts: Vec<PartCount> = names.names().iter().map(count_of).collect();
-        for kind in NameOf::ALL {
+        for kind in NameKind::ALL {
             let numbers: Vec<u32> = names.places(kind).map(|place| place.map_or(0, |place| place + 1)).collect();
-            for number in self.most(&numbers).into_iter().filter(|number| *number > 0) {
+            for number in self.dominant_numbers(&numbers).into_iter().filter(|number| *number > 0) {
                 let place = number as usize - 1;
                 counts[place].cells += usize::from(kinds[place] == kind);
             }
@@ -136,17 +137,17 @@ impl PartCells {
     }
 
     /// Returns for every cell the number that most of its surface has; 0 without surface. `numbers` are those of the labels.
-    fn most(&self, numbers: &[u32]) -> Vec<u32> {
-        let of_surface = (0..self.like.len()).map(|cell| {
+    fn dominant_numbers(&self, numbers: &[u32]) -> Vec<u32> {
+        let of_surface = (0..self.source.len()).map(|cell| {
             let larger = |most: (u32, f64), next: (u32, f64)| if next.1 > most.1 { next } else { most };
-            self.sums(cell, numbers).into_iter().fold((0, 0.0), larger).0
+            self.areas_by_number(cell, numbers).into_iter().fold((0, 0.0), larger).0
         });
         let of_surface: Vec<u32> = of_surface.collect();
-        self.like.iter().map(|&like| of_surface.get(like as usize).copied().unwrap_or(0)).collect()
+        self.source.iter().map(|&source| of_surface.get(source as usize).copied().unwrap_or(0)).collect()
     }
 
     /// Returns the area of the surface in a cell by number, without numbers that have none.
-    fn sums(&self, cell: usize, numbers: &[u32]) -> Vec<(u32, f64)> {
+    fn areas_by_number(&self, cell: usize, numbers: &[u32]) -> Vec<(u32, f64)> {
         let mut sums: Vec<(u32, f64)> = Vec::new();
         for &(label, area) in &self.areas[self.begin[cell] as usize..self.begin[cell + 1] as usize] {
             let number = numbers[usize::from(label)];
@@ -163,19 +164,19 @@ impl PartCells {
 fn numbers(names: &NamedParts, wanted: &[&str]) -> Vec<u32> {
     let mut numbers = vec![0; names.labels()];
     for (name, of_name) in wanted.iter().zip(1..) {
-        for (number, _) in numbers.iter_mut().zip(names.is_of(name)).filter(|(_, is_of)| *is_of) {
+        for (number, _) in numbers.iter_mut().zip(names.is_in_part(name)).filter(|(_, is_in_part)| *is_in_part) {
             *number = of_name;
         }
     }
     numbers
 }
 
-/// Finds for every cell the nearest one with `is_beginning`, breadth first through faces, in the order of cells.
-fn nearest(grid: &Grid, cells: &[[u32; 3]], places: &Places, is_beginning: impl Fn(usize) -> bool) -> Vec<u32> {
-    let mut like = vec![NONE; cells.len()];
-    let mut reached: Vec<u32> = (0..).take(cells.len()).filter(|&cell| is_beginning(cell as usize)).collect();
+/// Finds for every cell the nearest one with `is_seed`, breadth first through faces, in the order of cells.
+fn nearest(grid: &Grid, cells: &[[u32; 3]], places: &Places, is_seed: impl Fn(usize) -> bool) -> Vec<u32> {
+    let mut source = vec![NO_CELL; cells.len()];
+    let mut reached: Vec<u32> = (0..).take(cells.len()).filter(|&cell| is_seed(cell as usize)).collect();
     for &cell in &reached {
-        like[cell as usize] = cell;
+        source[cell as usize] = cell;
     }
     let mut at = 0;
     while let Some(&cell) = reached.get(at) {
@@ -186,14 +187,14 @@ fn nearest(grid: &Grid, cells: &[[u32; 3]], places: &Places, is_beginning: impl 
             if next[axis] >= grid.dims[axis] {
                 continue;
             }
-            let number = places.number(grid.index(next)).filter(|number| like[*number as usize] == NONE);
+            let number = places.number(grid.index(next)).filter(|number| source[*number as usize] == NO_CELL);
             if let Some(number) = number {
-                like[number as usize] = like[cell as usize];
+                source[number as usize] = source[cell as usize];
                 reached.push(number);
             }
         }
     }
-    like
+    source
 }
 
 #[cfg(test)]
@@ -239,16 +240,16 @@ mod tests {
     #[test]
     fn inner_cells_are_as_the_surface_nearest_to_them() {
         let (cells, names, grid) = cells(&halves("o soft", "o stiff"), [8, 4, 4]);
-        let found = cells.chosen(&names, &["stiff", "soft"]);
+        let found = cells.part_of_each(&names, &["stiff", "soft"]);
         for (cell, number) in grid.iter().zip(found) {
             assert_eq!(number, if cell[0] < 4 { 2 } else { 1 }, "{cell:?}");
         }
-        let only = cells.chosen(&names, &["stiff"]);
+        let only = cells.part_of_each(&names, &["stiff"]);
         assert_eq!(only.iter().filter(|&&number| number == 0).count(), 64, "the rest is of no part");
         let count = |name: &str| PartCount { name: name.to_owned(), cells: 64 };
         assert_eq!(cells.counts(&names), [count("soft"), count("stiff")]);
         assert_eq!(
-            cells.chosen(&names, &["stiff", "stiff"]),
+            cells.part_of_each(&names, &["stiff", "stiff"]),
             only.iter().map(|n| 2 * n).collect::<Vec<_>>(),
             "the last"
         );
@@ -258,7 +259,7 @@ mod tests {
     fn a_material_of_several_objects_counts_by_all_of_them() {
         let text = halves("o a\nusemtl rubber", "o b\nusemtl rubber");
         let (cells, names, _) = cells(&text, [8, 4, 4]);
-        assert!(cells.chosen(&names, &["rubber"]).iter().all(|&number| number == 1), "all of it");
+        assert!(cells.part_of_each(&names, &["rubber"]).iter().all(|&number| number == 1), "all of it");
         let counts: Vec<_> = cells.counts(&names).into_iter().map(|part| (part.name, part.cells)).collect();
         assert_eq!(counts, [("rubber".into(), 128), ("a".into(), 64), ("b".into(), 64)]);
     }
@@ -266,11 +267,11 @@ mod tests {
     #[test]
     fn a_cell_across_the_border_has_surface_of_both() {
         let (cells, names, _) = cells(&halves("o soft", "o stiff"), [8, 4, 4]);
-        assert_eq!(cells.shared(&names, &["stiff"]), [], "the border is that of cells");
+        assert_eq!(cells.cells_of_several(&names, &["stiff"]), [], "the border is that of cells");
         let mesh = parse_obj(halves("o soft", "o stiff").as_bytes(), "m.obj").expect("a model").mesh;
         let coarse = Grid { origin: DVec3::new(-2.0, 0.0, 0.0), cell_size: 4.0, dims: [3, 1, 1] };
         let across = PartCells::new(&mesh, &names, &coarse, &coarse.iter().collect::<Vec<_>>());
-        let shared = across.shared(&names, &["stiff"]);
+        let shared = across.cells_of_several(&names, &["stiff"]);
         let [(1, of)] = &shared[..] else { panic!("the middle one, not {shared:?}") };
         assert!(of.len() == 2 && of.iter().all(|(_, share)| (share - 0.5).abs() < 1e-9), "half of it each: {of:?}");
     }
@@ -291,6 +292,6 @@ mod tests {
         let names = imported.parts.expect("names");
         let grid = Grid { origin: DVec3::ZERO, cell_size: 1.0, dims: [4, 3, 3] };
         let found = PartCells::new(&imported.mesh, &names, &grid, &[[0, 1, 1], [3, 1, 1]]);
-        assert_eq!(found.chosen(&names, &["core"]), [1, 0], "the cell that shares a face, and none further off");
+        assert_eq!(found.part_of_each(&names, &["core"]), [1, 0], "the cell that shares a face, and none further off");
     }
 }

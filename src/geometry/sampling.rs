@@ -2,8 +2,8 @@
 //! surface in the cell.
 //!
 //! ```text
-//! looked at   all vertices, and points between them on the triangles, no further apart than a third of a cell
-//! taken       in each cell the point furthest out, away from the cells around it (if these are on all sides, the furthest
+//! candidates  all vertices, and points between them on the triangles, no further apart than a third of a cell
+//! samples     in each cell the point furthest out, away from the cells around it (if these are on all sides, the furthest
 //!             both ways along every axis), then repeatedly the one furthest from those taken, until there are eight or
 //!             all are near one
 //! ```
@@ -18,19 +18,19 @@ use super::places::Places;
 use super::{Lattice, TriMesh};
 
 /// The most points of a cell.
-pub const MOST_A_CELL: usize = 8;
+pub const MAX_SAMPLES_PER_CELL: usize = 8;
 
-/// The largest spacing of the points that are looked at, in cells.
-const SPACING: f64 = 1.0 / 3.0;
+/// The largest spacing of the candidates, in cells.
+const CANDIDATE_SPACING: f64 = 1.0 / 3.0;
 
 /// Bins along the edge of a cell; each holds at most one point that is not a vertex.
 const BINS: usize = 4;
 
 /// The least distance between points taken in a cell, in cells.
-const NEAREST: f64 = 0.15;
+const MIN_SAMPLE_DISTANCE: f64 = 0.15;
 
 /// A point further from its cell than this, in cells, belongs to a part of the mesh without cells.
-const FURTHEST: f64 = 1.0;
+const MAX_DISTANCE_OUTSIDE: f64 = 1.0;
 
 /// The directions along the axes.
 const AXES: [DVec3; 6] = [DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y, DVec3::NEG_Z, DVec3::Z];
@@ -46,46 +46,46 @@ pub struct SurfaceSample {
 
 /// Returns the samples of a mesh in a lattice, by cell; the mesh is in the grid's coordinates (m).
 pub fn surface_samples(mesh: &TriMesh, lattice: &Lattice) -> Vec<SurfaceSample> {
-    let mut looked_at = LookedAt::new(lattice);
+    let mut candidates = Candidates::new(lattice);
     let mut is_used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|vertex| is_used[*vertex as usize] = true);
     for (position, _) in mesh.positions.iter().zip(&is_used).filter(|(_, is_used)| **is_used) {
-        looked_at.add_vertex(*position);
+        candidates.add_vertex(*position);
     }
     for triangle in 0..mesh.triangles.len() {
-        looked_at.add_between(mesh.corners(triangle));
+        candidates.add_between(mesh.corners(triangle));
     }
-    looked_at.taken()
+    candidates.select()
 }
 
 /// A point that may be taken.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+struct Candidate {
     cell: u32,
     at: DVec3,
     weights: [f64; 8],
 }
 
 /// All points that may be taken.
-struct LookedAt<'a> {
+struct Candidates<'a> {
     lattice: &'a Lattice,
     embedder: Embedder<'a>,
     /// Which cells of the grid are filled.
     cells: Places,
     cell_size: f64,
-    points: Vec<Point>,
+    points: Vec<Candidate>,
     /// For every cell, the bins in it that hold a point.
     bins: Vec<u64>,
 }
 
-impl<'a> LookedAt<'a> {
+impl<'a> Candidates<'a> {
     fn new(lattice: &'a Lattice) -> Self {
         let (cell_size, bins) = (lattice.grid.cell_size, vec![0; lattice.cells.len()]);
         Self { lattice, embedder: Embedder::new(lattice), cells: lattice.places(), cell_size, points: Vec::new(), bins }
     }
 
     fn add_vertex(&mut self, at: DVec3) {
-        let Some(point) = self.place(at) else { return };
+        let Some(point) = self.candidate(at) else { return };
         self.bins[point.cell as usize] |= bin(&point.weights);
         self.points.push(point);
     }
@@ -103,7 +103,7 @@ impl<'a> LookedAt<'a> {
             for part in 0..=parts {
                 let is_corner = row == rows && (part == 0 || part == parts);
                 if !is_corner {
-                    self.add_if_alone(start.lerp(end, f64::from(part) / f64::from(parts)));
+                    self.add_if_bin_is_empty(start.lerp(end, f64::from(part) / f64::from(parts)));
                 }
             }
         }
@@ -116,12 +116,12 @@ impl<'a> LookedAt<'a> {
             clippy::cast_sign_loss,
             reason = "a count of at least one, saturating"
         )]
-        let parts = (length / (SPACING * self.cell_size)).ceil().max(1.0) as u32;
+        let parts = (length / (CANDIDATE_SPACING * self.cell_size)).ceil().max(1.0) as u32;
         parts
     }
 
-    fn add_if_alone(&mut self, at: DVec3) {
-        let Some(point) = self.place(at) else { return };
+    fn add_if_bin_is_empty(&mut self, at: DVec3) {
+        let Some(point) = self.candidate(at) else { return };
         let (bins, own) = (&mut self.bins[point.cell as usize], bin(&point.weights));
         if *bins & own == 0 {
             *bins |= own;
@@ -129,26 +129,27 @@ impl<'a> LookedAt<'a> {
         }
     }
 
-    fn place(&self, at: DVec3) -> Option<Point> {
-        let embedding = self.embedder.embed(at).filter(|embedding| embedding.outside <= FURTHEST)?;
-        Some(Point { cell: embedding.cell, at, weights: embedding.weights })
+    fn candidate(&self, at: DVec3) -> Option<Candidate> {
+        let embedding = self.embedder.embed(at).filter(|embedding| embedding.outside <= MAX_DISTANCE_OUTSIDE)?;
+        Some(Candidate { cell: embedding.cell, at, weights: embedding.weights })
     }
 
     /// Takes points of every cell and returns them by cell.
-    fn taken(mut self) -> Vec<SurfaceSample> {
+    fn select(mut self) -> Vec<SurfaceSample> {
         // The sort is stable: within a cell points stay in the mesh's order.
         self.points.sort_by_key(|point| point.cell);
-        let least = NEAREST * self.cell_size;
-        let (mut taken, mut distance) = (Vec::new(), Vec::new());
+        let least = MIN_SAMPLE_DISTANCE * self.cell_size;
+        let (mut samples, mut distance) = (Vec::new(), Vec::new());
         for of_cell in self.points.chunk_by(|one, next| one.cell == next.cell) {
             distance.clear();
             distance.resize(of_cell.len(), f64::INFINITY);
             let outward = outward(self.lattice, &self.cells, of_cell[0].cell);
-            let ways = if outward == DVec3::ZERO { &AXES[..] } else { &[outward] };
-            let outermost = ways.iter().map(|way| largest(of_cell.iter().map(|point| point.at.dot(*way))));
+            let directions = if outward == DVec3::ZERO { &AXES[..] } else { &[outward] };
+            let outermost =
+                directions.iter().map(|direction| largest(of_cell.iter().map(|point| point.at.dot(*direction))));
             let mut take = |place: usize, distance: &mut [f64]| {
-                let Point { cell, at, weights } = of_cell[place];
-                taken.push(SurfaceSample { cell, weights });
+                let Candidate { cell, at, weights } = of_cell[place];
+                samples.push(SurfaceSample { cell, weights });
                 for (distance, point) in distance.iter_mut().zip(of_cell) {
                     *distance = distance.min(point.at.distance_squared(at));
                 }
@@ -160,7 +161,7 @@ impl<'a> LookedAt<'a> {
                     count += 1;
                 }
             }
-            while count < MOST_A_CELL {
+            while count < MAX_SAMPLES_PER_CELL {
                 let place = largest(distance.iter().copied());
                 if distance[place] < least * least {
                     break;
@@ -169,7 +170,7 @@ impl<'a> LookedAt<'a> {
                 count += 1;
             }
         }
-        taken
+        samples
     }
 }
 
@@ -238,7 +239,7 @@ mod tests {
             assert!(places.iter().any(|place| place.distance(*corner) < 1e-9), "the corner {corner} is taken");
         }
         for of_cell in samples.chunk_by(|a, b| a.cell == b.cell) {
-            assert!(of_cell.len() <= MOST_A_CELL, "no more than eight");
+            assert!(of_cell.len() <= MAX_SAMPLES_PER_CELL, "no more than eight");
         }
         assert!(samples.is_sorted_by_key(|sample| sample.cell), "by cell");
         // Nowhere on the surface is far from all of them.
@@ -261,7 +262,7 @@ mod tests {
         positions[1234] = DVec3::new(0.0, -0.45, 0.0);
         let triangles = (0..1000).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
         let samples = surface_samples(&TriMesh { positions, triangles }, &lattice);
-        assert_eq!(samples.len(), MOST_A_CELL, "eight of 3000");
+        assert_eq!(samples.len(), MAX_SAMPLES_PER_CELL, "eight of 3000");
         let lowest = samples.iter().map(|sample| at(&lattice, sample).y).fold(f64::INFINITY, f64::min);
         assert!((lowest + 0.45).abs() < 1e-12, "the tip is one of them, not {lowest}");
     }

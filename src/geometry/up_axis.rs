@@ -32,14 +32,14 @@ pub enum UpAxis {
 
 /// A model stands on a side if its centre lies at least this far within the hull of what touches the ground, as a share of
 /// the footprint's size. Models made to stand reach 0.1 to 0.5.
-const STANDS: f64 = 0.05;
+const MIN_STANDING_DEPTH: f64 = 0.05;
 /// A model topples from a side if its centre lies less than this within the hull. Between the two limits nothing is decided.
-const TOPPLES: f64 = 0.02;
+const MAX_TOPPLING_DEPTH: f64 = 0.02;
 /// Points within this share of the height above the lowest point touch the ground.
-const TOUCHES: f64 = 0.01;
+const GROUND_TOLERANCE: f64 = 0.01;
 /// A relief with a flat back stands on it, but is not meant to: at least this share of the longest extent must be
 /// height.
-const TALL: f64 = 0.25;
+const MIN_HEIGHT_SHARE: f64 = 0.25;
 
 impl UpAxis {
     /// All of them, the choice by the program first.
@@ -95,9 +95,9 @@ impl UpAxis {
 
 fn is_z_up(mesh: &TriMesh) -> bool {
     let size = mesh.bounds().size();
-    let tall = size.z >= TALL * size.max_element();
-    tall && steadiness(mesh, UpAxis::Z) >= STANDS
-        && [UpAxis::Y, UpAxis::MinusY].iter().all(|&up| steadiness(mesh, up) < TOPPLES)
+    let tall = size.z >= MIN_HEIGHT_SHARE * size.max_element();
+    tall && steadiness(mesh, UpAxis::Z) >= MIN_STANDING_DEPTH
+        && [UpAxis::Y, UpAxis::MinusY].iter().all(|&up| steadiness(mesh, up) < MAX_TOPPLING_DEPTH)
 }
 
 /// Returns how far the centre of the surface lies within the hull of what touches the ground, as a share of the footprint's
@@ -107,7 +107,7 @@ fn steadiness(mesh: &TriMesh, up: UpAxis) -> f64 {
     let (low, high) = used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
     let size = high - low;
     let footprint = libm::sqrt(size.x * size.z);
-    let ground = low.y + TOUCHES * size.y;
+    let ground = low.y + GROUND_TOLERANCE * size.y;
     let hull = hull(used().filter(|p| p.y <= ground).map(|p| DVec2::new(p.x, p.z)).collect());
     let Some(center) = surface_center(mesh).map(|center| up.turned(center)) else { return -1.0 };
     if hull.len() < 3 || !(footprint > 0.0 && footprint.is_finite()) {

@@ -104,14 +104,14 @@ impl Watch for CancelOnly<'_> {
 }
 
 /// Work in equal pieces whose order does not matter: counts them and passes the count on.
-pub(crate) struct Pieces<'a> {
+pub(crate) struct CountedProgress<'a> {
     watch: &'a dyn Watch,
     done: std::sync::Mutex<usize>,
     total: usize,
     span: [f64; 2],
 }
 
-impl<'a> Pieces<'a> {
+impl<'a> CountedProgress<'a> {
     /// `total` pieces that lead from the first fraction of `span` to the second.
     pub(crate) fn new(watch: &'a dyn Watch, total: usize, span: [f64; 2]) -> Self {
         Self { watch, done: std::sync::Mutex::new(0), total, span }
@@ -159,10 +159,10 @@ mod tests {
     #[test]
     fn pieces_report_their_share_and_pass_a_cancel_on() {
         let log = Log(Mutex::default());
-        let pieces = Pieces::new(&log, 4, [0.5, 1.0]);
+        let pieces = CountedProgress::new(&log, 4, [0.5, 1.0]);
         assert_eq!([pieces.advance(), pieces.advance()], [true, false], "cancelled after the second");
         assert_eq!(*log.0.lock().expect("no panic before"), [0.625, 0.75], "a quarter of the span each");
-        assert!(Pieces::new(&(), 1, [0.0, 1.0]).advance(), "nobody cancels in silence");
+        assert!(CountedProgress::new(&(), 1, [0.0, 1.0]).advance(), "nobody cancels in silence");
     }
 
     #[test]

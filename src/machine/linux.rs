@@ -11,8 +11,9 @@ pub(super) fn free() -> Option<FreeMemory> {
     let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
     let (status, limits) = (read("/proc/self/status"), read("/proc/self/limits"));
     let machine = kibibytes(&read("/proc/meminfo"), "MemAvailable:").map(|bytes| (bytes, "on this machine"));
-    let address_space = left_of(&limits, "Max address space", &status, "VmSize:").map(|bytes| (bytes, "by ulimit -v"));
-    let data = left_of(&limits, "Max data size", &status, "VmData:").map(|bytes| (bytes, "by ulimit -d"));
+    let address_space =
+        left_of_limit(&limits, "Max address space", &status, "VmSize:").map(|bytes| (bytes, "by ulimit -v"));
+    let data = left_of_limit(&limits, "Max data size", &status, "VmData:").map(|bytes| (bytes, "by ulimit -d"));
     let group = left_in_groups(&read("/proc/self/cgroup"), Path::new("/sys/fs/cgroup"));
     let group = group.map(|bytes| (bytes, "in its control group"));
     let least = [machine, address_space, data, group].into_iter().flatten().min_by_key(|(bytes, _)| *bytes);
@@ -31,7 +32,7 @@ fn kibibytes(text: &str, name: &str) -> Option<u64> {
 }
 
 /// What is left of a limit in `/proc/self/limits` (its soft value, bytes); none where there is no limit.
-fn left_of(limits: &str, limit: &str, status: &str, used: &str) -> Option<u64> {
+fn left_of_limit(limits: &str, limit: &str, status: &str, used: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix(limit))?;
     let most: u64 = line.split_whitespace().next()?.parse().ok()?;
     Some(most.saturating_sub(kibibytes(status, used).unwrap_or(0)))
@@ -78,8 +79,8 @@ mod tests {
         let limits = "Limit                     Soft Limit           Hard Limit           Units     \n\
                       Max address space         10485760             unlimited            bytes     \n\
                       Max data size             unlimited            unlimited            bytes     \n";
-        assert_eq!(left_of(limits, "Max address space", STATUS, "VmSize:"), Some(8 << 20), "10 MiB but for 2");
-        assert_eq!(left_of(limits, "Max data size", STATUS, "VmData:"), None, "no limit");
+        assert_eq!(left_of_limit(limits, "Max address space", STATUS, "VmSize:"), Some(8 << 20), "10 MiB but for 2");
+        assert_eq!(left_of_limit(limits, "Max data size", STATUS, "VmData:"), None, "no limit");
         assert_eq!(kibibytes(STATUS, "VmHWM:"), Some(100 << 10));
         assert_eq!(kibibytes(STATUS, "VmNone:"), None, "not told");
     }

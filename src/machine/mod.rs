@@ -12,18 +12,18 @@ use std::sync::OnceLock;
 pub use free_memory::FreeMemory;
 
 /// The bytes that the user allows instead of what is free.
-static ALLOWED: OnceLock<u64> = OnceLock::new();
+static ALLOWED_BYTES: OnceLock<u64> = OnceLock::new();
 
 /// Lets this process take this many bytes, whatever is free. Only the first call counts.
-pub fn allow(bytes: u64) {
-    if ALLOWED.set(bytes).is_err() {
+pub fn allow_memory(bytes: u64) {
+    if ALLOWED_BYTES.set(bytes).is_err() {
         log::debug!("how much memory may be taken was said before");
     }
 }
 
 /// The memory that this process may still take; none where the system does not tell.
 pub fn free_memory() -> Option<FreeMemory> {
-    match ALLOWED.get() {
+    match ALLOWED_BYTES.get() {
         Some(&bytes) => Some(FreeMemory { bytes, whose: "as --memory says" }),
         None => free_of_system(),
     }

@@ -21,7 +21,7 @@ impl Processors {
     /// Moves the calling thread to a processor that none of the others is on, if it is allowed to be on one. The thread is
     /// not bound to it. Does nothing if the system does not tell.
     #[cfg(target_os = "linux")]
-    pub(super) fn take_one(&self) {
+    pub(super) fn move_to_free_processor(&self) {
         let Ok(mut taken) = self.taken.lock() else { return };
         let taken = taken.get_or_insert_default();
         let mut here = sched_getcpu();
@@ -49,7 +49,7 @@ impl Processors {
     /// Does nothing: the processors of other systems are not known.
     #[cfg(not(target_os = "linux"))]
     #[expect(clippy::unused_self, reason = "as on Linux")]
-    pub(super) fn take_one(&self) {}
+    pub(super) fn move_to_free_processor(&self) {}
 }
 
 #[cfg(all(test, target_os = "linux"))]
@@ -67,13 +67,13 @@ mod tests {
                 // From the second call on the processor of this thread is taken, and it moves to another: as many calls as
                 // there are processors.
                 for _ in 0..allowed.count() {
-                    processors.take_one();
+                    processors.move_to_free_processor();
                     assert_eq!(sched_getaffinity(None), Ok(allowed), "it is bound to none");
                 }
                 let taken = processors.taken.into_inner().expect("nobody panicked").expect("one at least");
                 assert_eq!(taken.count(), allowed.count(), "another one each time");
                 let again = Processors { taken: Mutex::new(Some(taken)) };
-                again.take_one();
+                again.move_to_free_processor();
                 assert_eq!(sched_getaffinity(None), Ok(allowed), "there is none left: it stays");
             });
         });

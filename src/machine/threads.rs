@@ -10,12 +10,12 @@ use rayon::Yield;
 use super::processors::Processors;
 
 /// Checks of awaited work before the thread yields its processor: some microseconds.
-const SPINS: usize = 200;
+const SPINS_PER_YIELD: usize = 200;
 
 /// Sets a flag when it is dropped, also by a panic.
-struct Done<'a>(&'a AtomicBool);
+struct SetOnDrop<'a>(&'a AtomicBool);
 
-impl Drop for Done<'_> {
+impl Drop for SetOnDrop<'_> {
     fn drop(&mut self) {
         self.0.store(true, Ordering::Release);
     }
@@ -30,13 +30,13 @@ pub fn kept_awake<T>(threads: usize, work: impl FnOnce() -> T) -> T {
     }
     let (awake, done) = (AtomicUsize::new(0), AtomicBool::new(false));
     let processors = Processors::default();
-    processors.take_one();
+    processors.move_to_free_processor();
     rayon::in_place_scope(|scope| {
-        let done_at_last = Done(&done);
+        let done_at_last = SetOnDrop(&done);
         for _ in 0..others {
             scope.spawn(|_| {
                 awake.fetch_add(1, Ordering::Relaxed);
-                processors.take_one();
+                processors.move_to_free_processor();
                 while !done.load(Ordering::Acquire) {
                     if rayon::yield_now() != Some(Yield::Executed) {
                         yield_now();
@@ -70,7 +70,7 @@ pub fn join(work: impl FnOnce() + Send, other: impl FnOnce() + Send) {
             wait_for(&done);
         },
         || {
-            let _done_at_last = Done(&done);
+            let _done_at_last = SetOnDrop(&done);
             other();
         },
     );
@@ -82,7 +82,7 @@ fn wait_for(done: &AtomicBool) {
         if rayon::yield_now() == Some(Yield::Executed) {
             continue;
         }
-        for _ in 0..SPINS {
+        for _ in 0..SPINS_PER_YIELD {
             if done.load(Ordering::Acquire) {
                 return;
             }

@@ -12,17 +12,18 @@ use std::sync::{Arc, LazyLock};
 use super::color::{linear_from_srgb, srgb_from_linear};
 
 /// Steps of light that the conversion to bytes distinguishes: less than half a step of sRGB where it is darkest.
-const STEPS: usize = 1 << 14;
+const LIGHT_STEPS: usize = 1 << 14;
 
 /// The light of every sRGB byte, 0..1.
-static LIGHT: LazyLock<[f32; 256]> = LazyLock::new(|| {
+static LIGHT_OF_BYTE: LazyLock<[f32; 256]> = LazyLock::new(|| {
     let mut bytes = 0..=255;
     std::array::from_fn(|_| linear_from_srgb([bytes.next().unwrap_or_default(); 3])[0])
 });
 
-/// The sRGB byte of light in steps of 1/[`STEPS`].
-static BYTES: LazyLock<Vec<u8>> =
-    LazyLock::new(|| (0..=STEPS).map(|step| srgb_from_linear([step as f32 / STEPS as f32; 3])[0]).collect());
+/// The sRGB byte of light in steps of 1/[`LIGHT_STEPS`].
+static BYTE_OF_STEP: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    (0..=LIGHT_STEPS).map(|step| srgb_from_linear([step as f32 / LIGHT_STEPS as f32; 3])[0]).collect()
+});
 
 /// A picture at every coarseness down to one texel.
 #[derive(Clone, PartialEq, Eq)]
@@ -142,7 +143,7 @@ impl Level {
     /// area; on a side with an odd number of texels it covers some only in part.
     fn halved(&self) -> Self {
         let [width, height] = self.size.map(|side| side as usize);
-        let [columns, rows] = [width, height].map(shares);
+        let [columns, rows] = [width, height].map(covered_texels);
         let mut rgba = Vec::with_capacity(4 * columns.len() * rows.len());
         let mut sums = vec![[0.0_f32; 4]; columns.len()];
         for row in &rows {
@@ -152,7 +153,7 @@ impl Level {
                 for (sum, column) in sums.iter_mut().zip(&columns) {
                     for (x, of_column) in column.texels() {
                         let (share, [red, green, blue, opacity]) = (of_row * of_column, texels[x]);
-                        let light = [red, green, blue].map(|channel| LIGHT[usize::from(channel)]);
+                        let light = [red, green, blue].map(|channel| LIGHT_OF_BYTE[usize::from(channel)]);
                         let parts = [light[0], light[1], light[2], f32::from(opacity) / 255.0];
                         sum.iter_mut().zip(parts).for_each(|(sum, part)| *sum += share * part);
                     }
@@ -169,21 +170,21 @@ impl Level {
 
 /// The texels that one texel of the coarser level covers along a side, and the share of it that each takes.
 #[derive(Clone, Copy)]
-struct Share {
+struct CoveredTexels {
     first: usize,
     /// From the first covered texel to the last.
     shares: [f32; 4],
     count: usize,
 }
 
-impl Share {
+impl CoveredTexels {
     fn texels(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
         (self.first..).zip(self.shares).take(self.count)
     }
 }
 
 /// Returns the shares of every texel of a side with half as many as `count`.
-fn shares(count: usize) -> Vec<Share> {
+fn covered_texels(count: usize) -> Vec<CoveredTexels> {
     let half = (count / 2).max(1);
     // In units of 1/half of a texel, so that all is whole.
     let share = |place: usize| {
@@ -196,7 +197,7 @@ fn shares(count: usize) -> Vec<Share> {
             *slot = covered as f32 / count as f32;
             used += 1;
         }
-        Share { first, shares, count: used }
+        CoveredTexels { first, shares, count: used }
     };
     (0..half).map(share).collect()
 }
@@ -204,13 +205,15 @@ fn shares(count: usize) -> Vec<Share> {
 fn multiply_by_opacity(texel: &mut [u8; 4]) {
     if texel[3] < 255 {
         let opacity = f32::from(texel[3]) / 255.0;
-        texel[..3].iter_mut().for_each(|channel| *channel = byte_of_light(opacity * LIGHT[usize::from(*channel)]));
+        texel[..3]
+            .iter_mut()
+            .for_each(|channel| *channel = byte_of_light(opacity * LIGHT_OF_BYTE[usize::from(*channel)]));
     }
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the value is within 0..=STEPS")]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the value is within 0..=LIGHT_STEPS")]
 fn byte_of_light(light: f32) -> u8 {
-    BYTES[(light.clamp(0.0, 1.0) * STEPS as f32 + 0.5) as usize]
+    BYTE_OF_STEP[(light.clamp(0.0, 1.0) * LIGHT_STEPS as f32 + 0.5) as usize]
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the value is within 0..=255")]
@@ -245,11 +248,12 @@ mod tests {
         let third = srgb_from_linear([1.0 / 3.0; 3]);
         assert_eq!(row.levels()[1].size, [1, 1]);
         assert_eq!(row.levels()[1].rgba[..3], third, "one of three");
-        let five = shares(5);
+        let five = covered_texels(5);
         let all: Vec<(usize, f32)> = five.iter().flat_map(|share| share.texels().collect::<Vec<_>>()).collect();
         assert_eq!(all, [(0, 0.4), (1, 0.4), (2, 0.2), (2, 0.2), (3, 0.4), (4, 0.4)], "the middle one is halved");
         for count in [1, 2, 3, 7, 8, 100, 101] {
-            let sums = shares(count).iter().map(|share| share.texels().map(|(_, share)| share).sum::<f32>()).collect();
+            let sums =
+                covered_texels(count).iter().map(|share| share.texels().map(|(_, share)| share).sum::<f32>()).collect();
             let sums: Vec<f32> = sums;
             assert!(sums.iter().all(|sum| (sum - 1.0).abs() < 1e-6), "{count}: {sums:?}");
         }

@@ -28,12 +28,12 @@ impl RigidMotion {
     pub fn at(&self, secs: f64) -> (DVec3, DQuat) {
         match *self {
             Self::Turn { axis, turns_per_sec } => {
-                let half = PI * whole_turns_left_out(turns_per_sec * secs);
+                let half = PI * fraction_of_turn(turns_per_sec * secs);
                 let (sin, cos) = (libm::sin(half), libm::cos(half));
                 (DVec3::ZERO, DQuat::from_xyzw(axis.x * sin, axis.y * sin, axis.z * sin, cos))
             }
             Self::Oscillate { reach, period_secs } => {
-                (reach * libm::sin(TAU * whole_turns_left_out(secs / period_secs)), DQuat::IDENTITY)
+                (reach * libm::sin(TAU * fraction_of_turn(secs / period_secs)), DQuat::IDENTITY)
             }
         }
     }
@@ -47,7 +47,7 @@ impl RigidMotion {
     }
 }
 
-fn whole_turns_left_out(turns: f64) -> f64 {
+fn fraction_of_turn(turns: f64) -> f64 {
     turns - libm::floor(turns)
 }
 

@@ -4,7 +4,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 /// Below this half angle the first terms of a series are exact to rounding.
-const SMALL: f64 = 1e-4;
+const SMALL_ANGLE: f64 = 1e-4;
 
 /// The rotation about x, then y, then z (fixed axes, Blender's "XYZ Euler"), angles in degrees.
 ///
@@ -35,7 +35,7 @@ pub fn to_euler_deg(rotation: &DMat3) -> [f64; 3] {
 /// The rotation about a vector by its length in radians.
 pub fn from_vector(vector: DVec3) -> DQuat {
     let half = 0.5 * vector.length();
-    let share = if half < SMALL { 0.5 - half * half / 12.0 } else { 0.5 * libm::sin(half) / half };
+    let share = if half < SMALL_ANGLE { 0.5 - half * half / 12.0 } else { 0.5 * libm::sin(half) / half };
     let axis = vector * share;
     DQuat::from_xyzw(axis.x, axis.y, axis.z, libm::cos(half))
 }
@@ -45,15 +45,15 @@ pub fn to_vector(rotation: DQuat) -> DVec3 {
     let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
     let (axis, cosine) = (DVec3::new(rotation.x, rotation.y, rotation.z) * sign, rotation.w * sign);
     let sine = axis.length();
-    axis * if sine < SMALL * SMALL { 2.0 } else { 2.0 * libm::atan2(sine, cosine) / sine }
+    axis * if sine < SMALL_ANGLE * SMALL_ANGLE { 2.0 } else { 2.0 * libm::atan2(sine, cosine) / sine }
 }
 
 /// The rotation nearest to a matrix in the sum of squares: its polar decomposition, by Newton's iteration scaled by norms
 /// (N. Higham, "Computing the polar decomposition – with applications", SIAM J. Sci. Stat. Comput. 7(4), 1986). None for a
 /// matrix that mirrors or is flat.
 pub fn nearest(matrix: DMat3) -> Option<DMat3> {
-    const ROUNDS: usize = 64;
-    const CLOSE: f64 = 1e-28;
+    const MAX_ROUNDS: usize = 64;
+    const SQUARED_TOLERANCE: f64 = 1e-28;
     let square = |of: DMat3| of.x_axis.length_squared() + of.y_axis.length_squared() + of.z_axis.length_squared();
     // Scaled so that the determinant neither overflows nor vanishes.
     let size = square(matrix).sqrt();
@@ -61,13 +61,13 @@ pub fn nearest(matrix: DMat3) -> Option<DMat3> {
     if !near.is_finite() || near.determinant() <= f64::EPSILON {
         return None;
     }
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let other = near.transpose().inverse();
         let scale = (square(other) / square(near)).sqrt().sqrt();
         let next = (near * scale + other * (1.0 / scale)) * 0.5;
         let step = square(next - near);
         near = next;
-        if step <= CLOSE {
+        if step <= SQUARED_TOLERANCE {
             break;
         }
     }

@@ -13,7 +13,7 @@ use super::stiffness::LowerColumns;
 
 /// The symbolic factorisation: where the entries of the factor will be.
 #[derive(Debug)]
-pub(super) struct Prediction {
+pub(super) struct SymbolicFactor {
     symbolic: SymbolicCholesky<usize>,
 }
 
@@ -22,10 +22,10 @@ pub(super) struct Factor {
     symbolic: SymbolicCholesky<usize>,
     values: Vec<f64>,
     /// The workspace of a solve.
-    room: MemBuffer,
+    workspace: MemBuffer,
 }
 
-impl Prediction {
+impl SymbolicFactor {
     /// Counts the entries of a matrix's factor; unknowns are eliminated in the order of the matrix.
     pub(super) fn of(matrix: &LowerColumns) -> Result<Self, ModalError> {
         // The symbolic factorisation wants the upper half, which has the same entries by rows.
@@ -40,20 +40,20 @@ impl Prediction {
 
     /// The memory of the factor and of the workspace to compute it, bytes.
     pub(super) fn bytes(&self) -> u64 {
-        let room = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default());
-        let room = room.unaligned_bytes_required();
-        (self.symbolic.len_val() * size_of::<f64>() + room) as u64
+        let workspace = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default());
+        let workspace = workspace.unaligned_bytes_required();
+        (self.symbolic.len_val() * size_of::<f64>() + workspace) as u64
     }
 
     /// Computes the factor; `columns` is the most right-hand sides that are solved for at once.
-    pub(super) fn factor(self, matrix: &LowerColumns, columns: usize) -> Result<Factor, ModalError> {
+    pub(super) fn factorise(self, matrix: &LowerColumns, columns: usize) -> Result<Factor, ModalError> {
         let Self { symbolic } = self;
         let size = matrix.begins.len() - 1;
         let mut values = vec![0.0; symbolic.len_val()];
         let pattern = SymbolicSparseColMatRef::new_checked(size, size, &matrix.begins, None, &matrix.rows);
         let of = SparseColMatRef::new(pattern, &matrix.values);
         let needed = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default());
-        let mut room = MemBuffer::new(needed);
+        let mut workspace = MemBuffer::new(needed);
         symbolic
             .factorize_numeric_llt(
                 &mut values,
@@ -61,12 +61,12 @@ impl Prediction {
                 Side::Lower,
                 LltRegularization::default(),
                 Par::Seq,
-                MemStack::new(&mut room),
+                MemStack::new(&mut workspace),
                 faer::Spec::default(),
             )
             .map_err(|_error| ModalError::Singular)?;
-        let room = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq));
-        Ok(Factor { symbolic, values, room })
+        let workspace = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq));
+        Ok(Factor { symbolic, values, workspace })
     }
 }
 
@@ -74,8 +74,8 @@ impl Factor {
     /// Replaces right-hand sides by solutions.
     pub(super) fn solve(&mut self, right_hand_sides: MatMut<'_, f64>) {
         let factor = LltRef::new(&self.symbolic, &self.values);
-        let room = MemStack::new(&mut self.room);
-        factor.solve_in_place_with_conj(Conj::No, right_hand_sides, Par::Seq, room);
+        let workspace = MemStack::new(&mut self.workspace);
+        factor.solve_in_place_with_conj(Conj::No, right_hand_sides, Par::Seq, workspace);
     }
 }
 

@@ -16,7 +16,7 @@ use faer::reborrow::Reborrow;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 use glam::DVec3;
 
-use super::factor::Prediction;
+use super::factor::SymbolicFactor;
 use super::stiffness::{LowerColumns, System};
 use super::{ModalError, Mode, Modes, Wanted, rigid};
 use crate::geometry::Watch;
@@ -25,22 +25,22 @@ use crate::math::rng::Rng;
 use crate::physics::BodyModel;
 
 /// Vectors in a block: this many modes of the same frequency are certainly found.
-const BLOCK: usize = 8;
+const BLOCK_SIZE: usize = 8;
 /// Modes that are found besides those wanted, so that none of the wanted ones is missed.
-const BESIDE: usize = 4;
+const EXTRA_MODES: usize = 4;
 /// The shift, as a share of the mean of the matrix's diagonal: far below all frequencies, far above rounding.
 const SHIFT: f64 = 1e-10;
 /// A Ritz vector counts as found when its error is at most this share of its value.
-const TOLERANCE: f64 = 1e-9;
+const RITZ_TOLERANCE: f64 = 1e-9;
 /// The tolerances of a mode's residual, as shares of its own eigenvalue and of the mean of the diagonal.
-const RESIDUAL: [f64; 2] = [1e-6, 1e-12];
+const RESIDUAL_TOLERANCES: [f64; 2] = [1e-6, 1e-12];
 /// An eigenvalue below this share of the mean of the diagonal is rounding error: the mode has no frequency.
-const NO_FREQUENCY: f64 = 1e-13;
+const ZERO_EIGENVALUE: f64 = 1e-13;
 /// If no more than this share of a vector is left, it depends on the others.
-const NOTHING_LEFT: f64 = 1e-10;
+const DEPENDENCE_TOLERANCE: f64 = 1e-10;
 /// The progress when the matrix is assembled, and when it is factorised.
-const ASSEMBLED: f64 = 0.05;
-const FACTORISED: f64 = 0.5;
+const PROGRESS_ASSEMBLED: f64 = 0.05;
+const PROGRESS_FACTORISED: f64 = 0.5;
 
 /// Finds the lowest modes of a compiled body about rest, in the body's own coordinates. `watch` hears of the progress; the
 /// factorisation is a single call, so that a cancel during it takes effect at its end.
@@ -52,31 +52,31 @@ pub fn modes<R: Real>(body: &BodyModel<R>, wanted: Wanted, watch: &dyn Watch) ->
     if system.size() == 0 {
         return Err(ModalError::NothingFree);
     }
-    let rigid = rigid::motions(&system)?;
+    let rigid = rigid::rigid_motions(&system)?;
     let count = wanted.count.min(system.size() - rigid.ncols());
-    go_on(watch, ASSEMBLED)?;
-    let is_small = system.size() <= most_vectors(count) + rigid.ncols() + 2 * BLOCK;
+    report_progress(watch, PROGRESS_ASSEMBLED)?;
+    let is_small = system.size() <= max_vectors(count) + rigid.ncols() + 2 * BLOCK_SIZE;
     let (found, bytes) = if is_small {
-        dense(&system, rigid.as_ref(), count)?
+        solve_dense(&system, rigid.as_ref(), count)?
     } else {
-        sparse(&system, rigid.as_ref(), Wanted { count, ..wanted }, watch)?
+        solve_sparse(&system, rigid.as_ref(), Wanted { count, ..wanted }, watch)?
     };
-    let modes = found.columns(&system, rigid.ncols(), count, bytes)?;
+    let modes = found.into_modes(&system, rigid.ncols(), count, bytes)?;
     watch.progress(1.0);
     Ok(modes)
 }
 
 /// Eigenvectors of the system, or approximations, and their eigenvalues.
-pub(super) struct Found {
+pub(super) struct EigenPairs {
     /// Orthonormal, ascending by eigenvalue.
     vectors: Mat<f64>,
     /// 1/s².
     pub(super) eigenvalues: Vec<f64>,
 }
 
-impl Found {
+impl EigenPairs {
     /// Converts to modes, after a check of how well they solve the equations.
-    fn columns(self, system: &System, rigid: usize, count: usize, bytes: u64) -> Result<Modes, ModalError> {
+    fn into_modes(self, system: &System, rigid: usize, count: usize, bytes: u64) -> Result<Modes, ModalError> {
         let mut image = Mat::zeros(system.size(), self.vectors.ncols());
         let mut vectors = self.vectors;
         system.apply(&vectors.as_mut(), image.as_mut());
@@ -84,30 +84,31 @@ impl Found {
         let mut modes = Vec::with_capacity(count);
         for (column, &eigenvalue) in self.eigenvalues.iter().enumerate().take(count) {
             let (y, ay) = (vectors.col(column), image.col(column));
-            let wrong = (0..system.size()).map(|row| (ay[row] - eigenvalue * y[row]).powi(2)).sum::<f64>().sqrt();
-            let [of_itself, of_all] = RESIDUAL;
-            if wrong > of_itself * eigenvalue + of_all * system.scale {
+            let residual_norm =
+                (0..system.size()).map(|row| (ay[row] - eigenvalue * y[row]).powi(2)).sum::<f64>().sqrt();
+            let [of_itself, of_all] = RESIDUAL_TOLERANCES;
+            if residual_norm > of_itself * eigenvalue + of_all * system.mean_diagonal {
                 return Err(ModalError::NotConverged { found: column, asked: count });
             }
-            let has_frequency = eigenvalue > NO_FREQUENCY * system.scale;
+            let has_frequency = eigenvalue > ZERO_EIGENVALUE * system.mean_diagonal;
             if has_frequency {
-                residual = residual.max(wrong / eigenvalue);
+                residual = residual.max(residual_norm / eigenvalue);
             }
             let mut shape = vec![DVec3::ZERO; system.rest.len()];
             for (place, &particle) in system.free.iter().enumerate() {
                 let way = DVec3::from([0, 1, 2].map(|axis| y[3 * place + axis]));
-                shape[particle as usize] = way * system.inverse_root[place];
+                shape[particle as usize] = way * system.inverse_root_mass[place];
             }
-            turn_to_one_side(&mut shape);
+            normalise_sign(&mut shape);
             let frequency_hz = if has_frequency { eigenvalue.sqrt() / std::f64::consts::TAU } else { 0.0 };
-            modes.push(Mode { frequency_hz, damping: system.damping(&shape), shape });
+            modes.push(Mode { frequency_hz, damping: system.damping_power(&shape), shape });
         }
         Ok(Modes { modes, rigid, residual, bytes })
     }
 }
 
 /// Chooses the sign of a shape for which its largest component is positive.
-fn turn_to_one_side(shape: &mut [DVec3]) {
+fn normalise_sign(shape: &mut [DVec3]) {
     let largest = shape.iter().flat_map(DVec3::to_array).fold(0.0_f64, |most, x| most.max(x.abs()));
     let first = shape.iter().flat_map(DVec3::to_array).find(|x| x.abs() > 0.999 * largest);
     if first.is_some_and(|x| x < 0.0) {
@@ -118,17 +119,21 @@ fn turn_to_one_side(shape: &mut [DVec3]) {
 }
 
 /// The most vectors that are kept.
-fn most_vectors(count: usize) -> usize {
+fn max_vectors(count: usize) -> usize {
     6 * count + 120
 }
 
-fn go_on(watch: &dyn Watch, done: f64) -> Result<(), ModalError> {
+fn report_progress(watch: &dyn Watch, done: f64) -> Result<(), ModalError> {
     watch.progress(done);
     if watch.cancelled() { Err(ModalError::Cancelled) } else { Ok(()) }
 }
 
 /// Finds all eigenvectors of a small system and keeps the lowest; rigid motions are made the stiffest, so they come last.
-pub(super) fn dense(system: &System, rigid: MatRef<'_, f64>, count: usize) -> Result<(Found, u64), ModalError> {
+pub(super) fn solve_dense(
+    system: &System,
+    rigid: MatRef<'_, f64>,
+    count: usize,
+) -> Result<(EigenPairs, u64), ModalError> {
     let LowerColumns { begins, rows, values } = system.matrix(0.0);
     let mut matrix = Mat::zeros(system.size(), system.size());
     for column in 0..system.size() {
@@ -146,46 +151,46 @@ pub(super) fn dense(system: &System, rigid: MatRef<'_, f64>, count: usize) -> Re
             }
         }
     }
-    let above = 2.0 * sums.into_iter().fold(0.0, f64::max);
-    matmul(matrix.as_mut(), Accum::Add, rigid, rigid.transpose(), above, Par::Seq);
+    let rigid_shift = 2.0 * sums.into_iter().fold(0.0, f64::max);
+    matmul(matrix.as_mut(), Accum::Add, rigid, rigid.transpose(), rigid_shift, Par::Seq);
     let all = matrix.self_adjoint_eigen(Side::Lower).map_err(|_error| ModalError::Singular)?;
     let eigenvalues = (0..count).map(|column| all.S()[column]).collect();
     let bytes = 3 * system.size() * system.size() * size_of::<f64>();
-    Ok((Found { vectors: all.U().subcols(0, count).to_owned(), eigenvalues }, bytes as u64))
+    Ok((EigenPairs { vectors: all.U().subcols(0, count).to_owned(), eigenvalues }, bytes as u64))
 }
 
 /// The lowest eigenvectors of a large system.
-pub(super) fn sparse(
+pub(super) fn solve_sparse(
     system: &System,
     rigid: MatRef<'_, f64>,
     wanted: Wanted,
     watch: &dyn Watch,
-) -> Result<(Found, u64), ModalError> {
-    let matrix = system.matrix(SHIFT * system.scale);
-    let predicted = Prediction::of(&matrix)?;
-    let most = most_vectors(wanted.count);
+) -> Result<(EigenPairs, u64), ModalError> {
+    let matrix = system.matrix(SHIFT * system.mean_diagonal);
+    let predicted = SymbolicFactor::of(&matrix)?;
+    let vector_limit = max_vectors(wanted.count);
     // The matrix, the vectors and what is made of them at the end.
     let of_matrix = matrix.rows.len() * (size_of::<usize>() + size_of::<f64>());
-    let of_vectors = (most + 4 * (wanted.count + BESIDE)) * system.size() * size_of::<f64>();
+    let of_vectors = (vector_limit + 4 * (wanted.count + EXTRA_MODES)) * system.size() * size_of::<f64>();
     let needed = predicted.bytes() + (of_matrix + of_vectors) as u64;
-    if needed > wanted.most_bytes {
-        return Err(ModalError::Memory { needed, free: wanted.most_bytes });
+    if needed > wanted.max_bytes {
+        return Err(ModalError::Memory { needed, free: wanted.max_bytes });
     }
-    go_on(watch, 2.0 * ASSEMBLED)?;
-    let kept = wanted.count + BESIDE;
-    let mut factor = predicted.factor(&matrix, kept.max(BLOCK))?;
+    report_progress(watch, 2.0 * PROGRESS_ASSEMBLED)?;
+    let kept = wanted.count + EXTRA_MODES;
+    let mut factor = predicted.factorise(&matrix, kept.max(BLOCK_SIZE))?;
     drop(matrix);
-    let mut space = Space::begin(system.size(), rigid);
+    let mut space = KrylovSpace::begin(system.size(), rigid);
     loop {
-        let done = space.found as f64 / wanted.count as f64;
-        go_on(watch, FACTORISED + (0.95 - FACTORISED) * done.min(1.0))?;
-        let mut next = space.newest().to_owned();
+        let done = space.converged as f64 / wanted.count as f64;
+        report_progress(watch, PROGRESS_FACTORISED + (0.95 - PROGRESS_FACTORISED) * done.min(1.0))?;
+        let mut next = space.newest_block().to_owned();
         factor.solve(next.as_mut());
         if space.extend(next, wanted.count)? {
             break;
         }
-        if space.blocks.len() * BLOCK > most {
-            return Err(ModalError::NotConverged { found: space.found, asked: wanted.count });
+        if space.blocks.len() * BLOCK_SIZE > vector_limit {
+            return Err(ModalError::NotConverged { found: space.converged, asked: wanted.count });
         }
     }
     // One more product with the inverse takes away what is left of high frequencies.
@@ -196,81 +201,82 @@ pub(super) fn sparse(
     for column in 0..vectors.ncols() {
         let (before, mut rest) = vectors.as_mut().split_at_col_mut(column);
         let mut own = rest.as_mut().subcols_mut(0, 1);
-        remove(before.rb(), own.as_mut());
-        scale(own.as_mut());
+        project_out(before.rb(), own.as_mut());
+        normalise(own.as_mut());
     }
     let mut image = Mat::zeros(system.size(), vectors.ncols());
     system.apply(&vectors.as_mut(), image.as_mut());
     let small = vectors.transpose() * &image;
     let turned = small.self_adjoint_eigen(Side::Lower).map_err(|_error| ModalError::Singular)?;
     let eigenvalues = (0..vectors.ncols()).map(|column| turned.S()[column]).collect();
-    Ok((Found { vectors: &vectors * turned.U(), eigenvalues }, needed))
+    Ok((EigenPairs { vectors: &vectors * turned.U(), eigenvalues }, needed))
 }
 
 /// The Krylov space that is searched.
-struct Space<'a> {
+struct KrylovSpace<'a> {
     rigid: MatRef<'a, f64>,
     /// Orthonormal vectors, a block after another; the last block is yet to be multiplied by the inverse.
     blocks: Vec<Mat<f64>>,
     /// The upper half of the inverse in that space.
     small: Mat<f64>,
     /// The Ritz vectors in that space, by ascending value.
-    turned: Mat<f64>,
+    ritz_coordinates: Mat<f64>,
     /// Modes that are certain.
-    found: usize,
+    converged: usize,
     rng: Rng,
 }
 
-impl<'a> Space<'a> {
+impl<'a> KrylovSpace<'a> {
     fn begin(size: usize, rigid: MatRef<'a, f64>) -> Self {
         let (rng, none) = (Rng::new(1), Mat::zeros(0, 0));
-        let mut space = Self { rigid, blocks: Vec::new(), small: none.clone(), turned: none, found: 0, rng };
+        let mut space =
+            Self { rigid, blocks: Vec::new(), small: none.clone(), ritz_coordinates: none, converged: 0, rng };
         let rng = &mut space.rng;
-        let mut first = Mat::from_fn(size, BLOCK, |_, _| rng.between(-1.0, 1.0));
+        let mut first = Mat::from_fn(size, BLOCK_SIZE, |_, _| rng.between(-1.0, 1.0));
         space.remove_rigid(first.as_mut());
         space.orthonormalise(&mut first);
         space.blocks.push(first);
         space
     }
 
-    fn newest(&self) -> MatRef<'_, f64> {
+    fn newest_block(&self) -> MatRef<'_, f64> {
         self.blocks.last().map_or(self.rigid, Mat::as_ref)
     }
 
     fn remove_rigid(&self, mut of: MatMut<'_, f64>) {
         for _ in 0..2 {
-            remove(self.rigid, of.as_mut());
+            project_out(self.rigid, of.as_mut());
         }
     }
 
     /// Adds `next`, the inverse times the newest block, to the space. Returns whether enough modes are certain.
     fn extend(&mut self, mut next: Mat<f64>, wanted: usize) -> Result<bool, ModalError> {
-        let order = self.blocks.len() * BLOCK;
+        let order = self.blocks.len() * BLOCK_SIZE;
         let mut small = Mat::zeros(order, order);
-        let before = order - BLOCK;
+        let before = order - BLOCK_SIZE;
         small.as_mut().submatrix_mut(0, 0, before, before).copy_from(&self.small);
         for _ in 0..2 {
-            remove(self.rigid, next.as_mut());
+            project_out(self.rigid, next.as_mut());
             for (number, block) in self.blocks.iter().enumerate() {
                 let along = block.transpose() * &next;
                 matmul(next.as_mut(), Accum::Add, block, &along, -1.0, Par::Seq);
-                let mut entry = small.as_mut().submatrix_mut(number * BLOCK, before, BLOCK, BLOCK);
+                let mut entry = small.as_mut().submatrix_mut(number * BLOCK_SIZE, before, BLOCK_SIZE, BLOCK_SIZE);
                 entry += &along;
             }
         }
         self.small = small;
-        let beyond = self.orthonormalise(&mut next);
+        let remainder = self.orthonormalise(&mut next);
         let ritz = self.small.self_adjoint_eigen(Side::Upper).map_err(|_error| ModalError::Singular)?;
-        let last = ritz.U().submatrix(before, 0, BLOCK, order);
-        let wrong = &beyond * last;
+        let last = ritz.U().submatrix(before, 0, BLOCK_SIZE, order);
+        let errors = &remainder * last;
         let is_found = |from_top: &usize| {
             let column = order - 1 - from_top;
-            wrong.col(column).norm_l2() <= TOLERANCE * ritz.S()[column]
+            errors.col(column).norm_l2() <= RITZ_TOLERANCE * ritz.S()[column]
         };
-        let looked_at = (wanted + BESIDE).min(order);
-        self.found = (0..looked_at).take_while(is_found).count();
-        self.turned = ritz.U().to_owned();
-        if self.found >= wanted + BESIDE {
+        let checked = (wanted + EXTRA_MODES).min(order);
+        self.converged = (0..checked).take_while(is_found).count();
+        self.ritz_coordinates = ritz.U().to_owned();
+        if self.converged >= wanted + EXTRA_MODES {
             return Ok(true);
         }
         self.blocks.push(next);
@@ -279,12 +285,12 @@ impl<'a> Space<'a> {
 
     /// The Ritz vectors of the largest values.
     fn ritz_vectors(&self, count: usize) -> Mat<f64> {
-        let order = self.turned.nrows();
-        let chosen = self.turned.as_ref().subcols(order - count, count);
-        let size = self.newest().nrows();
+        let order = self.ritz_coordinates.nrows();
+        let chosen = self.ritz_coordinates.as_ref().subcols(order - count, count);
+        let size = self.newest_block().nrows();
         let mut vectors = Mat::zeros(size, count);
-        for (number, block) in self.blocks.iter().take(order / BLOCK).enumerate() {
-            let weights = chosen.submatrix(number * BLOCK, 0, BLOCK, count);
+        for (number, block) in self.blocks.iter().take(order / BLOCK_SIZE).enumerate() {
+            let weights = chosen.submatrix(number * BLOCK_SIZE, 0, BLOCK_SIZE, count);
             matmul(vectors.as_mut(), Accum::Add, block, weights, 1.0, Par::Seq);
         }
         vectors
@@ -293,8 +299,8 @@ impl<'a> Space<'a> {
     /// Makes the columns of a block orthonormal. The block as it was is the new one times the returned upper triangle. A
     /// column that depends on the others is replaced by a random one.
     fn orthonormalise(&mut self, block: &mut Mat<f64>) -> Mat<f64> {
-        let mut triangle = Mat::zeros(BLOCK, BLOCK);
-        for column in 0..BLOCK {
+        let mut triangle = Mat::zeros(BLOCK_SIZE, BLOCK_SIZE);
+        for column in 0..BLOCK_SIZE {
             let (before, mut rest) = block.as_mut().split_at_col_mut(column);
             let mut own = rest.as_mut().subcols_mut(0, 1);
             let whole = own.norm_l2();
@@ -306,26 +312,26 @@ impl<'a> Space<'a> {
                 }
             }
             let left = own.norm_l2();
-            if left > NOTHING_LEFT * whole {
+            if left > DEPENDENCE_TOLERANCE * whole {
                 triangle[(column, column)] = left;
             } else {
                 for row in 0..own.nrows() {
                     own[(row, 0)] = self.rng.between(-1.0, 1.0);
                 }
                 for _ in 0..2 {
-                    remove(self.rigid, own.as_mut());
-                    self.blocks.iter().for_each(|other| remove(other.as_ref(), own.as_mut()));
-                    remove(before.rb(), own.as_mut());
+                    project_out(self.rigid, own.as_mut());
+                    self.blocks.iter().for_each(|other| project_out(other.as_ref(), own.as_mut()));
+                    project_out(before.rb(), own.as_mut());
                 }
             }
-            scale(own);
+            normalise(own);
         }
         triangle
     }
 }
 
 /// Removes the part of vectors that lies in an orthonormal basis.
-fn remove(basis: MatRef<'_, f64>, mut of: MatMut<'_, f64>) {
+fn project_out(basis: MatRef<'_, f64>, mut of: MatMut<'_, f64>) {
     if basis.ncols() > 0 {
         let along = basis.transpose() * of.rb();
         matmul(of.as_mut(), Accum::Add, basis, &along, -1.0, Par::Seq);
@@ -333,7 +339,7 @@ fn remove(basis: MatRef<'_, f64>, mut of: MatMut<'_, f64>) {
 }
 
 /// Scales a vector to length 1.
-fn scale(mut vector: MatMut<'_, f64>) {
+fn normalise(mut vector: MatMut<'_, f64>) {
     let length = vector.norm_l2();
     for row in 0..vector.nrows() {
         vector[(row, 0)] /= length;

@@ -11,12 +11,12 @@ pub struct Wanted {
     /// How many of the lowest modes; all of them where a body has fewer.
     pub count: usize,
     /// The most memory that the computation may take, bytes.
-    pub most_bytes: u64,
+    pub max_bytes: u64,
 }
 
 impl Default for Wanted {
     fn default() -> Self {
-        Self { count: 20, most_bytes: u64::MAX }
+        Self { count: 20, max_bytes: u64::MAX }
     }
 }
 

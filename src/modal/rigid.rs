@@ -7,24 +7,24 @@ use super::ModalError;
 use super::stiffness::System;
 
 /// The most pieces that a body may fall into.
-const MOST_PIECES: usize = 16;
+const MAX_PIECES: usize = 16;
 
 /// A motion leaves held particles still if it moves them by less than this share of the others.
-const STILL: f64 = 1e-6;
+const STILLNESS_TOLERANCE: f64 = 1e-6;
 
 /// An orthonormal basis of the motions without frequency, weighted by the roots of the masses; one column each.
-pub(super) fn motions(system: &System) -> Result<Mat<f64>, ModalError> {
+pub(super) fn rigid_motions(system: &System) -> Result<Mat<f64>, ModalError> {
     let pieces = pieces(system);
-    if pieces.len() > MOST_PIECES {
-        return Err(ModalError::Pieces { pieces: pieces.len(), most: MOST_PIECES });
+    if pieces.len() > MAX_PIECES {
+        return Err(ModalError::Pieces { pieces: pieces.len(), most: MAX_PIECES });
     }
     let mut found: Vec<Vec<f64>> = Vec::new();
     for piece in pieces {
-        for motion in unhindered(&piece)? {
+        for motion in free_motions(&piece)? {
             let mut column = vec![0.0; system.size()];
             for &place in &piece.free {
                 let at = system.rest[system.free[place] as usize] - piece.middle;
-                let way = motion.at(at) / system.inverse_root[place];
+                let way = motion.displacement_at(at) / system.inverse_root_mass[place];
                 column[3 * place..3 * place + 3].copy_from_slice(&way.to_array());
             }
             let before = norm(&column);
@@ -36,7 +36,7 @@ pub(super) fn motions(system: &System) -> Result<Mat<f64>, ModalError> {
             }
             let left = norm(&column);
             // A straight row of particles does not turn about itself.
-            if left > STILL * before {
+            if left > STILLNESS_TOLERANCE * before {
                 for x in &mut column {
                     *x /= left;
                 }
@@ -61,13 +61,13 @@ struct Piece {
 /// A small rigid motion about the middle of a piece.
 #[derive(Clone, Copy)]
 struct Motion {
-    shift: DVec3,
-    turn: DVec3,
+    translation: DVec3,
+    rotation: DVec3,
 }
 
 impl Motion {
-    fn at(&self, place: DVec3) -> DVec3 {
-        self.shift + self.turn.cross(place)
+    fn displacement_at(&self, place: DVec3) -> DVec3 {
+        self.translation + self.rotation.cross(place)
     }
 }
 
@@ -76,7 +76,7 @@ fn pieces(system: &System) -> Vec<Piece> {
     let count = system.rest.len();
     let mut root: Vec<usize> = (0..count).collect();
     for link in system.links.iter().filter(|link| link.stiffness > 0.0) {
-        let [a, b] = link.particles.map(|particle| find(&mut root, particle as usize));
+        let [a, b] = link.particles.map(|particle| root_of(&mut root, particle as usize));
         root[a.max(b)] = a.min(b);
     }
     let mut place = vec![None; count];
@@ -86,7 +86,7 @@ fn pieces(system: &System) -> Vec<Piece> {
     let mut number = vec![usize::MAX; count];
     let mut pieces: Vec<Piece> = Vec::new();
     for particle in 0..count {
-        let root = find(&mut root, particle);
+        let root = root_of(&mut root, particle);
         if number[root] == usize::MAX {
             number[root] = pieces.len();
             pieces.push(Piece { free: Vec::new(), held: Vec::new(), middle: DVec3::ZERO, size: 1.0 });
@@ -111,7 +111,7 @@ fn pieces(system: &System) -> Vec<Piece> {
 }
 
 /// Returns the root of a particle: the first one known to be in its piece.
-fn find(root: &mut [usize], mut at: usize) -> usize {
+fn root_of(root: &mut [usize], mut at: usize) -> usize {
     while root[at] != at {
         root[at] = root[root[at]];
         at = root[at];
@@ -121,19 +121,19 @@ fn find(root: &mut [usize], mut at: usize) -> usize {
 
 /// Returns the rigid motions of a piece that leave its held particles where they are: the null space of `Σ Cᵀ C`, the
 /// squares of the displacements of these particles.
-fn unhindered(piece: &Piece) -> Result<Vec<Motion>, ModalError> {
+fn free_motions(piece: &Piece) -> Result<Vec<Motion>, ModalError> {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let basis: Vec<Motion> = axes
         .iter()
-        .map(|&shift| Motion { shift, turn: DVec3::ZERO })
-        .chain(axes.iter().map(|&turn| Motion { shift: DVec3::ZERO, turn: turn / piece.size }))
+        .map(|&translation| Motion { translation, rotation: DVec3::ZERO })
+        .chain(axes.iter().map(|&rotation| Motion { translation: DVec3::ZERO, rotation: rotation / piece.size }))
         .collect();
     if piece.held.is_empty() {
         return Ok(basis);
     }
     let mut squares = Mat::<f64>::zeros(6, 6);
     for held in &piece.held {
-        let moved: Vec<DVec3> = basis.iter().map(|motion| motion.at(*held - piece.middle)).collect();
+        let moved: Vec<DVec3> = basis.iter().map(|motion| motion.displacement_at(*held - piece.middle)).collect();
         for row in 0..6 {
             for column in 0..6 {
                 squares[(row, column)] += moved[row].dot(moved[column]) / piece.held.len() as f64;
@@ -141,12 +141,12 @@ fn unhindered(piece: &Piece) -> Result<Vec<Motion>, ModalError> {
         }
     }
     let found = squares.self_adjoint_eigen(Side::Lower).map_err(|_error| ModalError::Singular)?;
-    let unmoved = (0..6).filter(|&column| found.S()[column] < STILL * STILL);
+    let unmoved = (0..6).filter(|&column| found.S()[column] < STILLNESS_TOLERANCE * STILLNESS_TOLERANCE);
     let motion = |column: usize| {
         let weight = |row: usize| found.U()[(row, column)];
         let sum =
             |from: usize, of: fn(&Motion) -> DVec3| (from..from + 3).map(|row| of(&basis[row]) * weight(row)).sum();
-        Motion { shift: sum(0, |motion| motion.shift), turn: sum(3, |motion| motion.turn) }
+        Motion { translation: sum(0, |motion| motion.translation), rotation: sum(3, |motion| motion.rotation) }
     };
     Ok(unmoved.map(motion).collect())
 }

@@ -19,16 +19,16 @@ pub(super) struct System {
     /// Where every particle is at rest, m, in the body's coordinates.
     pub(super) rest: Vec<DVec3>,
     /// One over the root of each free particle's mass, kg^-½.
-    pub(super) inverse_root: Vec<f64>,
+    pub(super) inverse_root_mass: Vec<f64>,
     /// Links with a force or a damping.
-    pub(super) links: Vec<AtRest>,
+    pub(super) links: Vec<RestLink>,
     /// The mean of the diagonal of `A`, 1/s²: a measure of the overall stiffness.
-    pub(super) scale: f64,
+    pub(super) mean_diagonal: f64,
 }
 
 /// A link at rest.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct AtRest {
+pub(super) struct RestLink {
     /// Its particles, numbers of the body.
     pub(super) particles: [u32; 2],
     /// Their places among the free ones.
@@ -66,7 +66,7 @@ impl System {
                 let way = rest[link.ends[1] as usize] - rest[link.ends[0] as usize];
                 let length = way.length();
                 let [stiffness, damping] = [stiffness, damping].map(|constant| constant / length);
-                links.push(AtRest {
+                links.push(RestLink {
                     particles: link.ends,
                     places: [HELD; 2],
                     direction: way / length,
@@ -75,10 +75,10 @@ impl System {
                 });
             }
         }
-        let unheld: Vec<u32> = (0..).take(rest.len()).filter(|&p| !body.is_pinned(p as usize)).collect();
-        let corners: Vec<[u32; 3]> = unheld.iter().map(|&p| body.lattice.corners[p as usize]).collect();
+        let free_by_number: Vec<u32> = (0..).take(rest.len()).filter(|&p| !body.is_pinned(p as usize)).collect();
+        let corners: Vec<[u32; 3]> = free_by_number.iter().map(|&p| body.lattice.corners[p as usize]).collect();
         let order = nested_dissection(&corners, reach);
-        let free: Vec<u32> = order.iter().map(|&at| unheld[at as usize]).collect();
+        let free: Vec<u32> = order.iter().map(|&at| free_by_number[at as usize]).collect();
         let mut place = vec![HELD; rest.len()];
         for (at, &particle) in (0..).zip(&free) {
             place[particle as usize] = at;
@@ -86,10 +86,10 @@ impl System {
         for link in &mut links {
             link.places = link.particles.map(|particle| place[particle as usize]);
         }
-        let inverse_root = free.iter().map(|&p| 1.0 / body.mass(p as usize).to_f64().sqrt()).collect();
-        let mut system = Self { free, rest, inverse_root, links, scale: 0.0 };
+        let inverse_root_mass = free.iter().map(|&p| 1.0 / body.mass(p as usize).to_f64().sqrt()).collect();
+        let mut system = Self { free, rest, inverse_root_mass, links, mean_diagonal: 0.0 };
         let size = system.size().max(1) as f64;
-        system.scale = system.diagonals().iter().map(|d| d[0] + d[4] + d[8]).sum::<f64>() / size;
+        system.mean_diagonal = system.diagonals().iter().map(|d| d[0] + d[4] + d[8]).sum::<f64>() / size;
         system
     }
 
@@ -107,14 +107,14 @@ impl System {
                 let at = |end: Option<usize>| {
                     end.map_or(DVec3::ZERO, |end| {
                         let x = [0, 1, 2].map(|axis| of[(3 * end + axis, column)]);
-                        DVec3::from(x) * self.inverse_root[end]
+                        DVec3::from(x) * self.inverse_root_mass[end]
                     })
                 };
                 let pull = link.direction * (link.stiffness * link.direction.dot(at(ends[1]) - at(ends[0])));
                 for (end, pull) in ends.into_iter().zip([-pull, pull]) {
                     let Some(end) = end else { continue };
                     for axis in 0..3 {
-                        to[(3 * end + axis, column)] += pull[axis] * self.inverse_root[end];
+                        to[(3 * end + axis, column)] += pull[axis] * self.inverse_root_mass[end];
                     }
                 }
             }
@@ -122,8 +122,8 @@ impl System {
     }
 
     /// The power that the links' damping takes from a motion of the particles: `vᵀ C v`, for velocities `v` by particle.
-    pub(super) fn damping(&self, velocity: &[DVec3]) -> f64 {
-        let of = |link: &AtRest| {
+    pub(super) fn damping_power(&self, velocity: &[DVec3]) -> f64 {
+        let of = |link: &RestLink| {
             let [a, b] = link.particles.map(|particle| velocity[particle as usize]);
             let along = link.direction.dot(b - a);
             link.damping * along * along
@@ -163,7 +163,7 @@ impl System {
                 }
                 for &(_, high, number) in after {
                     let link = &self.links[number as usize];
-                    let weight = self.inverse_root[place] * self.inverse_root[high as usize];
+                    let weight = self.inverse_root_mass[place] * self.inverse_root_mass[high as usize];
                     for row in 0..3 {
                         rows.push(3 * high as usize + row);
                         values.push(-link.stiffness * link.direction[row] * link.direction[axis] * weight);
@@ -180,7 +180,7 @@ impl System {
         let mut diagonals = vec![[0.0; 9]; self.free.len()];
         for link in &self.links {
             for place in link.places.into_iter().filter(|&place| place != HELD) {
-                let weight = self.inverse_root[place as usize] * self.inverse_root[place as usize];
+                let weight = self.inverse_root_mass[place as usize] * self.inverse_root_mass[place as usize];
                 for row in 0..3 {
                     for column in 0..3 {
                         let entry = link.stiffness * link.direction[row] * link.direction[column] * weight;

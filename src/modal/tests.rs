@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::lanczos::{dense, sparse};
+use super::lanczos::{solve_dense, solve_sparse};
 use super::stiffness::System;
 use super::{ModalError, Modes, Wanted, modes, rigid};
 use crate::geometry::Watch;
@@ -59,10 +59,10 @@ fn sparse_and_dense_solutions_agree_and_none_is_passed_over() {
     ];
     for (name, body) in bodies {
         let system = System::of(&compiled(body));
-        let rigid = rigid::motions(&system).expect("one piece");
+        let rigid = rigid::rigid_motions(&system).expect("one piece");
         let wanted = Wanted { count: 14, ..Wanted::default() };
-        let (sparse, _) = sparse(&system, rigid.as_ref(), wanted, &()).expect("modes");
-        let (dense, _) = dense(&system, rigid.as_ref(), wanted.count).expect("modes");
+        let (sparse, _) = solve_sparse(&system, rigid.as_ref(), wanted, &()).expect("modes");
+        let (dense, _) = solve_dense(&system, rigid.as_ref(), wanted.count).expect("modes");
         for (mode, (found, expected)) in sparse.eigenvalues.iter().zip(&dense.eigenvalues).enumerate() {
             assert!((found / expected - 1.0).abs() < 1e-7, "{name}, mode {mode}: {found} for {expected}");
         }
@@ -132,7 +132,7 @@ fn a_body_that_cannot_swing_is_refused_in_words() {
     let loose = Springs { structural: none, shear: none, bending: none, ..Springs::default() };
     let dust = refused(cube(3, Material::Springs(loose)), Wanted::default());
     assert_eq!(dust, ModalError::Pieces { pieces: 64, most: 16 }, "{dust}");
-    let little = Wanted { most_bytes: 1 << 20, ..Wanted::default() };
+    let little = Wanted { max_bytes: 1 << 20, ..Wanted::default() };
     let too_large = refused(cube(9, solid()), little);
     assert!(matches!(too_large, ModalError::Memory { free: 1_048_576, needed } if needed > 2 << 20), "{too_large}");
     assert!(too_large.to_string().contains("MB of memory, of which 1 MB"), "{too_large}");
@@ -140,26 +140,26 @@ fn a_body_that_cannot_swing_is_refused_in_words() {
 
 /// Cancels at one of its checks.
 struct At {
-    looks: AtomicUsize,
+    checks: AtomicUsize,
     last: usize,
 }
 
 impl Watch for At {
     fn cancelled(&self) -> bool {
-        self.looks.fetch_add(1, Ordering::Relaxed) == self.last
+        self.checks.fetch_add(1, Ordering::Relaxed) == self.last
     }
 }
 
 #[test]
 fn the_work_stops_wherever_it_is_asked_to() {
     let body = compiled(cube(7, solid()));
-    let at = |last: usize| At { looks: AtomicUsize::new(0), last };
+    let at = |last: usize| At { checks: AtomicUsize::new(0), last };
     let whole = at(usize::MAX);
     modes(&body, Wanted::default(), &whole).expect("modes");
-    let looks = whole.looks.into_inner();
-    assert!(looks > 4, "{looks} looks");
-    for last in 0..looks {
+    let checks = whole.checks.into_inner();
+    assert!(checks > 4, "{checks} checks");
+    for last in 0..checks {
         let stopped = modes(&body, Wanted::default(), &at(last));
-        assert_eq!(stopped.map(|found| found.rigid), Err(ModalError::Cancelled), "at look {last} of {looks}");
+        assert_eq!(stopped.map(|found| found.rigid), Err(ModalError::Cancelled), "at check {last} of {checks}");
     }
 }

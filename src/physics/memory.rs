@@ -8,7 +8,7 @@ use super::model::Link;
 use super::state::press::Press;
 use super::state::touch::SampleTouch;
 use crate::geometry::LatticeCounts;
-use crate::geometry::sampling::MOST_A_CELL;
+use crate::geometry::sampling::MAX_SAMPLES_PER_CELL;
 use crate::physics::kernels::{BYTES_A_CORNER, MOST_CORNERS_A_PARTICLE};
 use crate::physics::limits::present::BYTES_A_PARTICLE;
 use crate::physics::model::Scheme;
@@ -81,7 +81,7 @@ fn of_points(size: Size) -> usize {
     let known = size.meshes * BYTES_A_PARTICLE_AND_MESH;
     let pairs = size.obstacles.min(3);
     let touching = size_of::<SampleContact>() + 2 * size_of::<SampleTouch>() + OF_A_SOLUTION;
-    MOST_A_CELL * (size_of::<[f64; 8]>() + size_of::<u32>() + known + pairs * touching)
+    MAX_SAMPLES_PER_CELL * (size_of::<[f64; 8]>() + size_of::<u32>() + known + pairs * touching)
 }
 
 /// The solver's data of a point's contact: eight particles with their weights, and its constants, bytes.

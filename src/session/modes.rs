@@ -89,8 +89,8 @@ pub(super) fn compute_modes(
     count: usize,
     watch: &dyn Watch,
 ) -> Result<Modes, ModalError> {
-    let most_bytes = free_memory().map_or(u64::MAX, |free| free.bytes);
-    modal::modes(&simulation.model().bodies[body], Wanted { count, most_bytes }, watch)
+    let max_bytes = free_memory().map_or(u64::MAX, |free| free.bytes);
+    modal::modes(&simulation.model().bodies[body], Wanted { count, max_bytes }, watch)
 }
 
 impl BodyModes {

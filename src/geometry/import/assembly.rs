@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 
-use super::album::Textures;
 use super::error::{ImportError, Place, Problem, is_within_reach};
 use super::formats::MAX_PARTS;
 use super::model_file::{Imported, ModelFile};
 use super::polygon::Cutter;
 use super::smooth_groups::SmoothGroups;
-use crate::geometry::named_parts::{NameOf, Namer};
+use super::texture_requests::Textures;
+use crate::geometry::named_parts::{NameKind, Namer};
 use crate::geometry::paint::{NO_TINT, Tint};
 use crate::geometry::shading::SmoothGroup;
 use crate::geometry::texturing::{TexturePlace, Texturing};
@@ -72,8 +72,8 @@ impl<'a> Assembly<'a> {
     }
 
     /// Names the faces that follow; an empty name is none.
-    pub(super) fn call(&mut self, kind: NameOf, name: &str) {
-        self.namer.get_or_insert_with(Namer::new).call(kind, name);
+    pub(super) fn set_name(&mut self, kind: NameKind, name: &str) {
+        self.namer.get_or_insert_with(Namer::new).set_name(kind, name);
     }
 
     /// Sets the material colour of the faces that follow.

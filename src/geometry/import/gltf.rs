@@ -13,17 +13,17 @@ use gltf_json::{Index, Node, Root};
 
 use super::error::{ImportError, Place, Problem};
 use super::model_file::{Imported, ModelFile};
-use crate::geometry::named_parts::NameOf;
+use crate::geometry::named_parts::NameKind;
 use crate::text::echo_up_to;
 use primitive::Reader;
 
 /// The first bytes of a binary file.
 const MAGIC: &[u8] = b"glTF";
 /// The most objects in a JSON text: as nodes and accessors, more would take gigabytes.
-const MOST_OBJECTS: usize = 1 << 20;
+const MAX_OBJECTS: usize = 1 << 20;
 
 /// The beginnings of the names of extensions that do not change a surface.
-const HARMLESS: [&str; 6] =
+const HARMLESS_EXTENSIONS: [&str; 6] =
     ["KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "KHR_mesh_quantization", "KHR_animation_"];
 
 /// Whether the bytes are those of a binary file.
@@ -33,10 +33,11 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
 
 /// Reads a glTF file, text or binary.
 pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
-    let Parts { json, blob } = if is_glb(file.bytes) { chunks(file)? } else { Parts { json: file.bytes, blob: None } };
+    let GlbChunks { json, blob } =
+        if is_glb(file.bytes) { split_glb(file)? } else { GlbChunks { json: file.bytes, blob: None } };
     let root = parse(file, json)?;
     if let Some(required) =
-        root.extensions_required.iter().find(|name| !HARMLESS.iter().any(|own| name.starts_with(own)))
+        root.extensions_required.iter().find(|name| !HARMLESS_EXTENSIONS.iter().any(|own| name.starts_with(own)))
     {
         let what = format!("what needs the extension {}", echo_up_to(required, 60));
         let remedy = "export the model without it";
@@ -49,8 +50,8 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
         let Some(mesh) = node.mesh else { continue };
         let found = root.meshes.get(mesh.value());
         let found = found.ok_or_else(|| file.no_such(Place::Asset, "mesh", mesh.value()))?;
-        reader.call(NameOf::Object, node.name.as_ref());
-        reader.call(NameOf::Group, found.name.as_ref());
+        reader.set_name(NameKind::Object, node.name.as_ref());
+        reader.set_name(NameKind::Group, found.name.as_ref());
         for (number, primitive) in found.primitives.iter().enumerate() {
             let place = Place::Primitive(mesh.value(), number);
             left_out.others += usize::from(!reader.add(primitive, &transform, &place)?);
@@ -63,7 +64,7 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
 
 /// Returns the names of the files beside a model that it is read from too; none if it cannot be read.
 pub(super) fn names_beside(file: ModelFile<'_>) -> Vec<String> {
-    let parts = if is_glb(file.bytes) { chunks(file) } else { Ok(Parts { json: file.bytes, blob: None }) };
+    let parts = if is_glb(file.bytes) { split_glb(file) } else { Ok(GlbChunks { json: file.bytes, blob: None }) };
     let root = parts.and_then(|parts| parse(file, parts.json));
     let Ok(root) = root else { return Vec::new() };
     let buffers = root.buffers.iter().filter_map(|buffer| buffers::name_beside(buffer.uri.as_deref()?));
@@ -94,13 +95,13 @@ impl LeftOut {
 }
 
 /// The parts of a binary file.
-struct Parts<'a> {
+struct GlbChunks<'a> {
     json: &'a [u8],
     blob: Option<&'a [u8]>,
 }
 
 /// Splits a binary file: 12 bytes of header, then chunks, each a length, a kind and that many bytes.
-fn chunks(file: ModelFile<'_>) -> Result<Parts<'_>, ImportError> {
+fn split_glb(file: ModelFile<'_>) -> Result<GlbChunks<'_>, ImportError> {
     let fail = |problem| file.at(Place::Header, problem);
     let there = file.bytes.len() as u64;
     let word = |at: usize| -> Result<u32, ImportError> {
@@ -132,11 +133,11 @@ fn chunks(file: ModelFile<'_>) -> Result<Parts<'_>, ImportError> {
         // Chunks are padded to a multiple of four bytes.
         at += 8 + chunk.len().next_multiple_of(4);
     }
-    Ok(Parts { json: found[0].unwrap_or_default(), blob: found[1] })
+    Ok(GlbChunks { json: found[0].unwrap_or_default(), blob: found[1] })
 }
 
 fn parse(file: ModelFile<'_>, json: &[u8]) -> Result<Root, ImportError> {
-    if json.split(|&byte| byte == b'{').count() > MOST_OBJECTS {
+    if json.split(|&byte| byte == b'{').count() > MAX_OBJECTS {
         return Err(ImportError::TooDetailed { file: file.name.to_owned() });
     }
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
@@ -176,7 +177,7 @@ fn placed_nodes<'a>(file: ModelFile<'_>, root: &'a Root) -> Result<Vec<(&'a Node
             let what = "a node that is shown twice or is its own child".to_owned();
             return Err(file.at(Place::Node(number), Problem::Unsupported { what, remedy: "nodes must form a tree" }));
         }
-        let transform = parent * local(node);
+        let transform = parent * local_transform(node);
         placed.push((node, transform));
         let children = indices(node.children.as_deref().unwrap_or_default());
         waiting.extend(children.into_iter().rev().map(|child| (child, transform)));
@@ -185,7 +186,7 @@ fn placed_nodes<'a>(file: ModelFile<'_>, root: &'a Root) -> Result<Vec<(&'a Node
 }
 
 /// Returns the transform of what a node holds: a matrix, or scale, rotation and translation in this order.
-fn local(node: &Node) -> DMat4 {
+fn local_transform(node: &Node) -> DMat4 {
     if let Some(matrix) = node.matrix {
         return DMat4::from_cols_array(&matrix.map(f64::from));
     }

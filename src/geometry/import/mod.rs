@@ -4,9 +4,7 @@
 //! The content of a file tells its format; only if it does not, the name does. Every claim of a header is checked against
 //! the bytes that are there before it is used.
 
-mod album;
 mod assembly;
-mod beside;
 mod error;
 mod formats;
 mod gltf;
@@ -20,8 +18,10 @@ mod obj_lines;
 mod obj_textures;
 mod ply;
 mod polygon;
+mod sibling_files;
 mod smooth_groups;
 mod stl;
+mod texture_requests;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -29,12 +29,12 @@ use std::path::{Path, PathBuf};
 use super::Watch;
 use crate::disk::{self, ReadError};
 use crate::text::echo_path;
-pub use beside::HeldFiles;
-use beside::{Beside, folder_and_name, joined};
 pub use error::{ImportError, Place, Problem};
 pub use formats::{ENDINGS, FORMATS, MAX_FILE_BYTES, MAX_PARTS};
 use model_file::ModelFile;
 pub use model_file::{Detail, Imported};
+pub use sibling_files::HeldFiles;
+use sibling_files::{SiblingFiles, folder_and_name, joined};
 
 /// What the first line of an OBJ file may begin with.
 const OBJ_WORDS: [&[u8]; 12] = [b"v", b"vt", b"vn", b"vp", b"f", b"l", b"p", b"o", b"g", b"s", b"mtllib", b"usemtl"];
@@ -59,7 +59,7 @@ pub fn load_watched(path: &Path, detail: Detail, watch: &dyn Watch) -> Result<Im
     let name = &echo_path(path);
     let bytes = disk::read(path, MAX_FILE_BYTES).map_err(|error| unread(name, error))?;
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    let beside = Some(Beside::Folder(&disk::folder_of(path)));
+    let beside = Some(SiblingFiles::Folder(&disk::folder_of(path)));
     read(ModelFile { bytes: &bytes, name, beside, detail, watch }, &ending)
 }
 
@@ -72,7 +72,7 @@ pub fn load_held(
 ) -> Result<Imported, ImportError> {
     let name = &files.shown(place);
     let bytes = files.read(place, MAX_FILE_BYTES).map_err(|error| unread(name, error))?;
-    let beside = Some(Beside::Held(files, folder_and_name(place).0));
+    let beside = Some(SiblingFiles::Held(files, folder_and_name(place).0));
     read(ModelFile { bytes: &bytes, name, beside, detail, watch }, &ending_of(place))
 }
 
@@ -91,7 +91,7 @@ fn unread(name: &str, error: ReadError) -> ImportError {
 pub fn files_of(path: &Path) -> Vec<PathBuf> {
     let folder = disk::folder_of(path);
     let bytes = disk::read(path, MAX_FILE_BYTES).unwrap_or_default();
-    let names = names_beside(&bytes, Beside::Folder(&folder));
+    let names = names_beside(&bytes, SiblingFiles::Folder(&folder));
     [path.to_owned()].into_iter().chain(names.into_iter().map(|name| folder.join(name))).collect()
 }
 
@@ -99,12 +99,12 @@ pub fn files_of(path: &Path) -> Vec<PathBuf> {
 pub fn held_files_of(files: &dyn HeldFiles, place: &str) -> Vec<String> {
     let folder = folder_and_name(place).0;
     let bytes = files.read(place, MAX_FILE_BYTES).unwrap_or_default();
-    let names = names_beside(&bytes, Beside::Held(files, folder));
+    let names = names_beside(&bytes, SiblingFiles::Held(files, folder));
     [place.to_owned()].into_iter().chain(names.into_iter().map(|name| joined(folder, &name))).collect()
 }
 
 /// Returns the names of the files beside a model that it is read from, each once.
-fn names_beside(bytes: &[u8], beside: Beside<'_>) -> Vec<String> {
+fn names_beside(bytes: &[u8], beside: SiblingFiles<'_>) -> Vec<String> {
     let file = ModelFile { beside: Some(beside), ..ModelFile::new(bytes, "") };
     let mut names = match format_of(bytes) {
         Some(Format::Gltf) => gltf::names_beside(file),
@@ -112,7 +112,7 @@ fn names_beside(bytes: &[u8], beside: Beside<'_>) -> Vec<String> {
         _ => Vec::new(),
     };
     for name in &mut names {
-        *name = beside.spelt(name);
+        *name = beside.actual_name(name);
     }
     names.sort_unstable();
     names.dedup();

@@ -1,12 +1,12 @@
 //! A model file in memory, and the mesh that is made of it.
 
-use super::beside::Beside;
 use super::error::{ImportError, Place, Problem};
+use super::sibling_files::SiblingFiles;
 use crate::geometry::named_parts::NamedParts;
 use crate::geometry::{Paint, Shading, TriMesh, Watch};
 
 /// Elements between two questions to the watch.
-const LOOK: usize = 1 << 16;
+const ELEMENTS_PER_CHECK: usize = 1 << 16;
 
 /// A model file as a mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +39,7 @@ pub(super) struct ModelFile<'a> {
     /// Its name in messages.
     pub(super) name: &'a str,
     /// Where the files beside it are, if it is a file.
-    pub(super) beside: Option<Beside<'a>>,
+    pub(super) beside: Option<SiblingFiles<'a>>,
     pub(super) detail: Detail,
     pub(super) watch: &'a dyn Watch,
 }
@@ -65,8 +65,8 @@ impl<'a> ModelFile<'a> {
     }
 
     /// Reports the progress of reading once in many elements, and asks whether to go on.
-    pub(super) fn look(&self, element: usize, fraction: impl FnOnce() -> f64) -> Result<(), ImportError> {
-        if element % LOOK == LOOK - 1 {
+    pub(super) fn report_progress(&self, element: usize, fraction: impl FnOnce() -> f64) -> Result<(), ImportError> {
+        if element % ELEMENTS_PER_CHECK == ELEMENTS_PER_CHECK - 1 {
             self.watch.progress(fraction());
             if self.watch.cancelled() {
                 return Err(self.cancelled());

@@ -3,10 +3,10 @@
 
 use std::collections::BTreeMap;
 
-use super::beside::{Beside, below, folder_and_name};
 use super::error::coordinate;
 use super::model_file::ModelFile;
-use super::mtl_map::Map;
+use super::mtl_map::TextureMap;
+use super::sibling_files::{SiblingFiles, below, folder_and_name};
 use crate::disk::ReadError;
 use crate::geometry::named_parts::clean;
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_srgb};
@@ -16,7 +16,7 @@ use crate::text::echo_up_to;
 const MAX_BYTES: u64 = 16 << 20;
 
 /// The most material files of a model that are looked for.
-pub(super) const MOST_LIBRARIES: usize = 64;
+pub(super) const MAX_LIBRARIES: usize = 64;
 
 /// Materials by their names, as [`clean`] leaves them.
 pub(super) type Materials = BTreeMap<String, Material>;
@@ -27,7 +27,7 @@ pub(super) struct Material {
     /// Its colour.
     pub(super) tint: Tint,
     /// The picture that its colour is multiplied by.
-    pub(super) map: Option<Map>,
+    pub(super) map: Option<TextureMap>,
 }
 
 /// Reads the material files that a model names; a file that cannot be read gives a warning. A model that is not a file has
@@ -51,7 +51,7 @@ pub(super) fn read(file: ModelFile<'_>, named: &[String], warnings: &mut Vec<Str
 }
 
 /// Returns the names of the material files beside a model, and of the pictures in them, as far as the files exist.
-pub(super) fn names_beside(beside: Beside<'_>, named: &[String]) -> Vec<String> {
+pub(super) fn names_beside(beside: SiblingFiles<'_>, named: &[String]) -> Vec<String> {
     let (mut names, mut materials) = (Vec::new(), Materials::new());
     for (name, bytes) in named.iter().filter_map(|named| find(beside, named, MAX_BYTES).ok()).flatten() {
         add(&mut materials, &bytes, folder_and_name(&name).0);
@@ -62,7 +62,7 @@ pub(super) fn names_beside(beside: Beside<'_>, named: &[String]) -> Vec<String> 
 }
 
 /// Reads the file that a line `mtllib` names, with blanks in its name, or else the several files that it names.
-fn find(beside: Beside<'_>, named: &str, limit: u64) -> Result<Vec<(String, Vec<u8>)>, String> {
+fn find(beside: SiblingFiles<'_>, named: &str, limit: u64) -> Result<Vec<(String, Vec<u8>)>, String> {
     let one = |name: &str| {
         let elsewhere = || "only files beside the model and in folders below it are read".to_owned();
         let name = below(name).ok_or_else(elsewhere)?;
@@ -103,7 +103,7 @@ fn add(materials: &mut Materials, bytes: &[u8], folder: &str) {
                 }
             }
             b"map_Kd" => {
-                if let Some((name, map)) = now.as_ref().zip(Map::parse(rest, folder)) {
+                if let Some((name, map)) = now.as_ref().zip(TextureMap::parse(rest, folder)) {
                     materials.entry(name.clone()).or_default().map = Some(map);
                 }
             }

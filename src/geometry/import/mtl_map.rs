@@ -4,13 +4,13 @@
 //! map_Kd -s 2 2 1 -o 0.5 0 -clamp on bark of oak.png      place in the picture = s × vt + o, and no further than its edges
 //! ```
 
-use super::beside::{Beside, below_from};
 use super::error::coordinate;
+use super::sibling_files::{SiblingFiles, below_from};
 use crate::math::picture::{Sampling, Wrap};
 
 /// A picture that a material asks for.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Map {
+pub(super) struct TextureMap {
     /// The file as it is named, with `/` between folders.
     pub(super) file: String,
     /// The folder of the material file, relative to that of the model.
@@ -26,14 +26,14 @@ pub(super) struct Map {
 /// An option of a picture.
 struct MapOption {
     word: &'static str,
-    takes: Takes,
+    arguments: Arguments,
     /// For an option that is not read, the value that changes nothing; none if every value would.
     usual: Option<&'static str>,
 }
 
 /// The arguments of an option.
 #[derive(Clone, Copy)]
-enum Takes {
+enum Arguments {
     /// One word.
     Word,
     /// Up to this many numbers, of which all but the first may be left out.
@@ -41,21 +41,21 @@ enum Takes {
 }
 
 const OPTIONS: [MapOption; 12] = [
-    MapOption { word: "-s", takes: Takes::Numbers(3), usual: None },
-    MapOption { word: "-o", takes: Takes::Numbers(3), usual: None },
-    MapOption { word: "-clamp", takes: Takes::Word, usual: None },
-    MapOption { word: "-t", takes: Takes::Numbers(3), usual: Some("0") },
-    MapOption { word: "-mm", takes: Takes::Numbers(2), usual: Some("0 1") },
-    MapOption { word: "-blendu", takes: Takes::Word, usual: Some("on") },
-    MapOption { word: "-blendv", takes: Takes::Word, usual: Some("on") },
-    MapOption { word: "-cc", takes: Takes::Word, usual: Some("off") },
-    MapOption { word: "-boost", takes: Takes::Word, usual: None },
-    MapOption { word: "-texres", takes: Takes::Word, usual: None },
-    MapOption { word: "-bm", takes: Takes::Word, usual: Some("1") },
-    MapOption { word: "-imfchan", takes: Takes::Word, usual: None },
+    MapOption { word: "-s", arguments: Arguments::Numbers(3), usual: None },
+    MapOption { word: "-o", arguments: Arguments::Numbers(3), usual: None },
+    MapOption { word: "-clamp", arguments: Arguments::Word, usual: None },
+    MapOption { word: "-t", arguments: Arguments::Numbers(3), usual: Some("0") },
+    MapOption { word: "-mm", arguments: Arguments::Numbers(2), usual: Some("0 1") },
+    MapOption { word: "-blendu", arguments: Arguments::Word, usual: Some("on") },
+    MapOption { word: "-blendv", arguments: Arguments::Word, usual: Some("on") },
+    MapOption { word: "-cc", arguments: Arguments::Word, usual: Some("off") },
+    MapOption { word: "-boost", arguments: Arguments::Word, usual: None },
+    MapOption { word: "-texres", arguments: Arguments::Word, usual: None },
+    MapOption { word: "-bm", arguments: Arguments::Word, usual: Some("1") },
+    MapOption { word: "-imfchan", arguments: Arguments::Word, usual: None },
 ];
 
-impl Map {
+impl TextureMap {
     /// Parses what follows `map_Kd` in a material file of a folder; none if no file is named.
     pub(super) fn parse(line: &[u8], folder: &str) -> Option<Self> {
         let line = String::from_utf8_lossy(line);
@@ -71,17 +71,17 @@ impl Map {
         while let Some((option, after)) = OPTIONS.iter().find_map(|option| Some((option, after(rest, option.word)?))) {
             let mut values = Vec::new();
             rest = after;
-            let most = if let Takes::Numbers(most) = option.takes { most } else { 1 };
+            let most = if let Arguments::Numbers(most) = option.arguments { most } else { 1 };
             while values.len() < most {
                 // The last word belongs to the name of the file.
                 let Some((word, after)) = rest.split_once(char::is_whitespace) else { break };
-                if matches!(option.takes, Takes::Numbers(_)) && coordinate(word.as_bytes()).is_err() {
+                if matches!(option.arguments, Arguments::Numbers(_)) && coordinate(word.as_bytes()).is_err() {
                     break;
                 }
                 values.push(word);
                 rest = after.trim_start();
             }
-            map.take(option, &values);
+            map.set_option(option, &values);
         }
         let quoted = rest.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
         map.file = quoted.unwrap_or(rest).trim().replace('\\', "/");
@@ -97,21 +97,21 @@ impl Map {
 
     /// Finds the file beside the model: by its name or, since the name often has a folder of another machine, by the last
     /// part of it beside the material file.
-    pub(super) fn find(&self, beside: Beside<'_>) -> Option<String> {
+    pub(super) fn find(&self, beside: SiblingFiles<'_>) -> Option<String> {
         let last = self.file.rsplit('/').next().unwrap_or_default();
         let names = [&self.file, last].into_iter().filter_map(|name| below_from(&self.folder, name));
         names.into_iter().find(|name| beside.has(name))
     }
 
     /// Why there is no such file.
-    pub(super) fn missing(&self) -> &'static str {
+    pub(super) fn why_missing(&self) -> &'static str {
         match below_from(&self.folder, &self.file) {
             Some(_) => "it does not exist",
             None => "only files beside the model and in folders below it are read",
         }
     }
 
-    fn take(&mut self, option: &MapOption, values: &[&str]) {
+    fn set_option(&mut self, option: &MapOption, values: &[&str]) {
         let numbers = |otherwise: f64| {
             let mut found = values.iter().map(|word| coordinate(word.as_bytes()).unwrap_or(otherwise));
             [0; 2].map(|_| found.next().unwrap_or(otherwise))
@@ -148,8 +148,8 @@ fn after<'a>(line: &'a str, word: &str) -> Option<&'a str> {
 mod tests {
     use super::*;
 
-    fn map(line: &str) -> Map {
-        Map::parse(line.as_bytes(), "").expect("a file is named")
+    fn map(line: &str) -> TextureMap {
+        TextureMap::parse(line.as_bytes(), "").expect("a file is named")
     }
 
     #[test]
@@ -171,7 +171,7 @@ mod tests {
             assert_eq!(map(line).file, file, "{line}");
         }
         for line in ["", "  ", "\"\""] {
-            assert_eq!(Map::parse(line.as_bytes(), ""), None, "{line:?} names none");
+            assert_eq!(TextureMap::parse(line.as_bytes(), ""), None, "{line:?} names none");
         }
     }
 
@@ -188,6 +188,6 @@ mod tests {
         assert_eq!(map(usual).left_out, [""; 0], "these say nothing");
         let others = "-t 0 0.5 -mm 0.2 1 -blendu off -cc on -boost 2 -texres 512 -imfchan r -t 1 a.png";
         let left_out = ["-t", "-mm", "-blendu", "-cc", "-boost", "-texres", "-imfchan"];
-        assert_eq!(map(others), Map { left_out: left_out.to_vec(), ..map("a.png") }, "and these are not read");
+        assert_eq!(map(others), TextureMap { left_out: left_out.to_vec(), ..map("a.png") }, "and these are not read");
     }
 }

@@ -12,16 +12,16 @@ use super::mtl::{self, Material, Materials};
 use super::obj_coordinates::{Coordinates, CornerPlace};
 use super::obj_libraries::libraries;
 use super::obj_lines::{LeftOut, ObjLines, Stop};
-use super::obj_textures::{Placed, texturing};
+use super::obj_textures::{TextureCoordinates, texturing};
 use super::polygon::Cutter;
-use crate::geometry::named_parts::{NameOf, NamedParts};
+use crate::geometry::named_parts::{NameKind, NamedParts};
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_srgb};
 use crate::geometry::texturing::Texturing;
 use crate::geometry::{Paint, Shading, TriMesh, Watch};
 use crate::text::echo_up_to;
 
 /// A warning lists so many names at most.
-const MOST_LISTED: usize = 5;
+const MAX_LISTED_NAMES: usize = 5;
 
 const BLACK: Tint = [0, 0, 0, 255];
 
@@ -76,7 +76,7 @@ pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     warnings.extend(namer.warning());
     let parts = namer.finish(of_triangles);
     let none = Coordinates::default();
-    let placed = Placed { coordinates: coordinates.as_ref().unwrap_or(&none), corners: &placed };
+    let placed = TextureCoordinates { coordinates: coordinates.as_ref().unwrap_or(&none), corners: &placed };
     // Missing material files are reported even if no face asks for a material: the file names them for a purpose.
     let materials = mtl::read(file, lines.libraries(), &mut warnings);
     let (tints, texturing) = match &parts {
@@ -107,16 +107,16 @@ fn of_materials(
     file: ModelFile<'_>,
     parts: &NamedParts,
     materials: &Materials,
-    placed: Placed<'_>,
+    placed: TextureCoordinates<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<Tint>, Option<Texturing>), ImportError> {
-    if parts.places(NameOf::Material).all(|place| place.is_none()) {
+    if parts.places(NameKind::Material).all(|place| place.is_none()) {
         return Ok((Vec::new(), None));
     }
     warnings.extend(undefined_warning(parts, materials));
     let of_name = |place: u32| materials.get(&parts.names()[place as usize]);
     let of_labels: Vec<Option<&Material>> =
-        parts.places(NameOf::Material).map(|place| place.and_then(of_name)).collect();
+        parts.places(NameKind::Material).map(|place| place.and_then(of_name)).collect();
     let texturing = match file.detail {
         Detail::Form => None,
         Detail::Pictures => texturing(file, parts, &of_labels, placed, warnings)?,
@@ -134,12 +134,12 @@ fn of_materials(
 /// Lists the materials of faces that no material file defines. Missing files have warnings of their own.
 fn undefined_warning(parts: &NamedParts, materials: &Materials) -> Option<String> {
     let named: BTreeSet<&String> =
-        parts.places(NameOf::Material).flatten().map(|place| &parts.names()[place as usize]).collect();
+        parts.places(NameKind::Material).flatten().map(|place| &parts.names()[place as usize]).collect();
     let undefined: Vec<&String> = named.into_iter().filter(|name| !materials.contains_key(*name)).collect();
     if materials.is_empty() || undefined.is_empty() {
         return None;
     }
-    let listed: Vec<String> = undefined.iter().take(MOST_LISTED).map(|name| echo_up_to(name, 60)).collect();
+    let listed: Vec<String> = undefined.iter().take(MAX_LISTED_NAMES).map(|name| echo_up_to(name, 60)).collect();
     let more = undefined.len() - listed.len();
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     Some(format!("no colours for what no material file defines: {}{more}", listed.join(", ")))
@@ -231,8 +231,8 @@ mod tests {
     fn triangles_of(text: &str, name: &str) -> Vec<usize> {
         let imported = parse_obj(text.as_bytes(), "m.obj").expect("a good file");
         let parts = imported.parts.expect("names");
-        let is_of: Vec<bool> = parts.is_of(name).collect();
-        (0..imported.mesh.triangles.len()).filter(|&triangle| is_of[usize::from(parts.label(triangle))]).collect()
+        let is_in_part: Vec<bool> = parts.is_in_part(name).collect();
+        (0..imported.mesh.triangles.len()).filter(|&triangle| is_in_part[usize::from(parts.label(triangle))]).collect()
     }
 
     #[test]

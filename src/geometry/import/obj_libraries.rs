@@ -1,6 +1,6 @@
 //! The material files that an OBJ file names (`mtllib`).
 
-use super::mtl::MOST_LIBRARIES;
+use super::mtl::MAX_LIBRARIES;
 
 /// The material files that an OBJ file names, each once.
 pub(super) fn libraries(bytes: &[u8]) -> Vec<String> {
@@ -16,7 +16,7 @@ pub(super) fn libraries(bytes: &[u8]) -> Vec<String> {
 pub(super) fn add_library(libraries: &mut Vec<String>, line: &[u8]) {
     let rest = line.trim_ascii().strip_prefix(b"mtllib").unwrap_or_default();
     let name = String::from_utf8_lossy(rest.trim_ascii()).into_owned();
-    if libraries.len() < MOST_LIBRARIES && !name.is_empty() && !libraries.contains(&name) {
+    if libraries.len() < MAX_LIBRARIES && !name.is_empty() && !libraries.contains(&name) {
         libraries.push(name);
     }
 }

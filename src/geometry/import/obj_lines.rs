@@ -15,7 +15,7 @@ use super::obj_coordinates::{Coordinates, CornerPlace};
 use super::obj_libraries::add_library;
 use super::smooth_groups::SmoothGroups;
 use crate::geometry::Watch;
-use crate::geometry::named_parts::{NameOf, Namer};
+use crate::geometry::named_parts::{NameKind, Namer};
 use crate::geometry::shading::SmoothGroup;
 
 /// What was left out.
@@ -250,7 +250,7 @@ impl<'a> ObjLines<'a> {
                     Ok(())
                 }
                 Some(word) => {
-                    self.call(word, &line);
+                    self.set_name(word, &line);
                     Ok(())
                 }
                 None => Ok(()),
@@ -323,12 +323,12 @@ impl<'a> ObjLines<'a> {
     }
 
     /// Takes note of a name: it holds for the faces that follow. A new object has no group yet.
-    fn call(&mut self, word: &[u8], line: &[u8]) {
+    fn set_name(&mut self, word: &[u8], line: &[u8]) {
         let Some(kind) = name_of(word) else { return };
         let name = line.trim_ascii_start().get(word.len()..).unwrap_or_default();
-        self.namer.call(kind, &String::from_utf8_lossy(name));
-        if kind == NameOf::Object {
-            self.namer.call(NameOf::Group, "");
+        self.namer.set_name(kind, &String::from_utf8_lossy(name));
+        if kind == NameKind::Object {
+            self.namer.set_name(NameKind::Group, "");
         }
     }
 
@@ -405,11 +405,11 @@ fn color<'w>(mut words: impl Iterator<Item = &'w [u8]>) -> Option<[&'w [u8]; 3]>
 }
 
 /// Returns the kind of name that a line with this first word gives.
-fn name_of(word: &[u8]) -> Option<NameOf> {
+fn name_of(word: &[u8]) -> Option<NameKind> {
     match word {
-        b"usemtl" => Some(NameOf::Material),
-        b"g" => Some(NameOf::Group),
-        b"o" => Some(NameOf::Object),
+        b"usemtl" => Some(NameKind::Material),
+        b"g" => Some(NameKind::Group),
+        b"o" => Some(NameKind::Object),
         _ => None,
     }
 }

@@ -1,13 +1,13 @@
 //! The pictures of an OBJ file's materials, laid on its triangles.
 
-use super::album::{Album, PictureBytes, Textures};
-use super::beside::Beside;
 use super::error::ImportError;
 use super::formats::MAX_FILE_BYTES;
 use super::model_file::ModelFile;
 use super::mtl::Material;
-use super::mtl_map::Map;
+use super::mtl_map::TextureMap;
 use super::obj_coordinates::{Coordinates, CornerPlace};
+use super::sibling_files::SiblingFiles;
+use super::texture_requests::{PictureBytes, TextureRequests, Textures};
 use crate::geometry::named_parts::NamedParts;
 use crate::geometry::picture_file::Opacity;
 use crate::geometry::texturing::{TexturePlace, Texturing};
@@ -15,7 +15,7 @@ use crate::text::echo_up_to;
 
 /// The texture coordinates of a file's triangles.
 #[derive(Clone, Copy)]
-pub(super) struct Placed<'a> {
+pub(super) struct TextureCoordinates<'a> {
     /// All coordinates of the file.
     pub(super) coordinates: &'a Coordinates,
     /// Those of the corners of every triangle.
@@ -31,18 +31,18 @@ pub(super) fn texturing(
     file: ModelFile<'_>,
     parts: &NamedParts,
     materials: &[Option<&Material>],
-    placed: Placed<'_>,
+    placed: TextureCoordinates<'_>,
     warnings: &mut Vec<String>,
 ) -> Result<Option<Texturing>, ImportError> {
     let Some(beside) = file.beside else { return Ok(None) };
-    let mut album = Album::new();
-    let ask = |material: Option<&Material>| -> Option<(u16, Map)> {
+    let mut requests = TextureRequests::new();
+    let ask = |material: Option<&Material>| -> Option<(u16, TextureMap)> {
         let map = material?.map.clone()?;
-        let wanted = map.find(beside).ok_or_else(|| (map.file.clone(), map.missing()));
-        Some((album.ask(wanted, Opacity::Counts, map.sampling)?, map))
+        let wanted = map.find(beside).ok_or_else(|| (map.file.clone(), map.why_missing()));
+        Some((requests.request(wanted, Opacity::Counts, map.sampling)?, map))
     };
-    let asked: Vec<Option<(u16, Map)>> = materials.iter().copied().map(ask).collect();
-    if album.is_empty() {
+    let asked: Vec<Option<(u16, TextureMap)>> = materials.iter().copied().map(ask).collect();
+    if requests.is_empty() {
         return Ok(None);
     }
     for (_, map) in asked.iter().flatten().filter(|(_, map)| !map.left_out.is_empty()) {
@@ -53,8 +53,8 @@ pub(super) fn texturing(
         }
     }
     let mut budget = MAX_FILE_BYTES;
-    let textures = album.develop(file, |wanted| bytes_of(beside, wanted, &mut budget), warnings)?;
-    let (texturing, unplaced) = laid(parts, &asked, textures, placed);
+    let textures = requests.load(file, |wanted| bytes_of(beside, wanted, &mut budget), warnings)?;
+    let (texturing, unplaced) = place_textures(parts, &asked, textures, placed);
     if unplaced > 0 {
         let said = "triangles without texture coordinates have no picture but their plain colour";
         warnings.push(format!("{said}: {unplaced}"));
@@ -63,11 +63,11 @@ pub(super) fn texturing(
 }
 
 /// Returns the texture of every triangle, and how many triangles have a texture but no place in it.
-fn laid(
+fn place_textures(
     parts: &NamedParts,
-    asked: &[Option<(u16, Map)>],
+    asked: &[Option<(u16, TextureMap)>],
     textures: Textures,
-    placed: Placed<'_>,
+    placed: TextureCoordinates<'_>,
 ) -> (Option<Texturing>, usize) {
     let (mut of_triangles, mut corners, mut unplaced) = (Vec::new(), Vec::new(), 0);
     for triangle in 0..parts.count() {
@@ -86,7 +86,11 @@ fn laid(
 
 /// Reads a picture by the name of its file, or passes on the name and why there is no such file. Its bytes are taken from
 /// the budget of all pictures.
-fn bytes_of(beside: Beside<'_>, wanted: Result<String, (String, &'static str)>, budget: &mut u64) -> PictureBytes {
+fn bytes_of(
+    beside: SiblingFiles<'_>,
+    wanted: Result<String, (String, &'static str)>,
+    budget: &mut u64,
+) -> PictureBytes {
     match wanted {
         Ok(name) => {
             let bytes = beside.read(&name, *budget).map_err(|error| format!("it {error}"));

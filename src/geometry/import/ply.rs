@@ -18,7 +18,7 @@ use crate::geometry::paint::tint_of_srgb;
 use element::{Element, INDICES, text_element};
 
 /// The longest header, bytes.
-const LONGEST_HEADER: usize = 1 << 20;
+const MAX_HEADER_BYTES: usize = 1 << 20;
 
 /// Whether the first line says that it is a PLY file.
 pub(super) fn is_ply(bytes: &[u8]) -> bool {
@@ -27,7 +27,7 @@ pub(super) fn is_ply(bytes: &[u8]) -> bool {
 
 /// Reads a PLY file.
 pub(super) fn read(file: ModelFile<'_>) -> Result<Imported, ImportError> {
-    let Split { text, lines, payload } = split(file)?;
+    let SplitFile { text, lines, payload } = split(file)?;
     let header = parse_header(file, &text)?;
     let mut rest = Payload { bytes: payload, line: lines + 1, encoding: header.encoding };
     let mut assembly = Assembly::new(file);
@@ -52,7 +52,7 @@ enum Kind {
 }
 
 /// A file taken apart.
-struct Split<'a> {
+struct SplitFile<'a> {
     /// The header with `\n` after each line.
     text: String,
     /// The number of its lines.
@@ -61,12 +61,12 @@ struct Split<'a> {
 }
 
 /// Splits the header from the rest. All lines end as the first one does.
-fn split(file: ModelFile<'_>) -> Result<Split<'_>, ImportError> {
+fn split(file: ModelFile<'_>) -> Result<SplitFile<'_>, ImportError> {
     let is_end = |&byte: &u8| byte == b'\n' || byte == b'\r';
     let first = file.bytes.iter().position(is_end).unwrap_or(0);
     let lone_return = file.bytes.get(first..).is_some_and(|rest| rest.starts_with(b"\r") && !rest.starts_with(b"\r\n"));
     let end = if lone_return { b'\r' } else { b'\n' };
-    let start = &file.bytes[..file.bytes.len().min(LONGEST_HEADER)];
+    let start = &file.bytes[..file.bytes.len().min(MAX_HEADER_BYTES)];
     let (mut text, mut lines, mut length) = (String::new(), 0, 0);
     for line in start.split_inclusive(|&byte| byte == end) {
         let shown = String::from_utf8_lossy(line.trim_ascii_end());
@@ -75,7 +75,7 @@ fn split(file: ModelFile<'_>) -> Result<Split<'_>, ImportError> {
         text.push_str(&shown);
         text.push('\n');
         if shown == "end_header" {
-            return Ok(Split { text, lines, payload: &file.bytes[length..] });
+            return Ok(SplitFile { text, lines, payload: &file.bytes[length..] });
         }
     }
     Err(file.at(Place::Line(lines), Problem::Ends("a line `end_header`")))
@@ -161,7 +161,7 @@ fn read_elements(
     let vertices = assembly.vertices();
     let mut face = Vec::new();
     for number in 0..def.count {
-        file.look(number, || 1.0 - rest.bytes.len() as f64 / file.bytes.len() as f64)?;
+        file.report_progress(number, || 1.0 - rest.bytes.len() as f64 / file.bytes.len() as f64)?;
         let element = rest.next(def).map_err(|problem| file.at(rest.place(def, number), problem))?;
         let place = || rest.place(def, number);
         match kind {

@@ -20,15 +20,15 @@ const RECORD: usize = 50;
 /// Whether the length is exactly that of a binary file with the number of triangles in its header. No text has it: four
 /// letters in place of that number would mean gigabytes.
 pub(super) fn is_binary_stl(bytes: &[u8]) -> bool {
-    claimed(bytes).is_some_and(|count| bytes.len() as u64 == needed(count))
+    claimed_triangles(bytes).is_some_and(|count| bytes.len() as u64 == file_bytes(count))
 }
 
 /// The number of triangles that the header of a binary file gives.
-fn claimed(bytes: &[u8]) -> Option<u32> {
+fn claimed_triangles(bytes: &[u8]) -> Option<u32> {
     bytes.get(80..HEADER)?.try_into().ok().map(u32::from_le_bytes)
 }
 
-fn needed(triangles: u32) -> u64 {
+fn file_bytes(triangles: u32) -> u64 {
     HEADER as u64 + u64::from(triangles) * RECORD as u64
 }
 
@@ -36,16 +36,16 @@ fn needed(triangles: u32) -> u64 {
 pub(super) fn read_binary(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     let bytes = file.bytes;
     let short = |what, needed| Problem::TooShort { what, needed, there: bytes.len() as u64 };
-    let count = claimed(bytes).ok_or_else(|| {
+    let count = claimed_triangles(bytes).ok_or_else(|| {
         file.at(Place::Header, short("an STL header and its number of triangles".into(), HEADER as u64))
     })?;
-    if needed(count) > bytes.len() as u64 {
-        return Err(file.at(Place::Header, short(format!("{count} triangles"), needed(count))));
+    if file_bytes(count) > bytes.len() as u64 {
+        return Err(file.at(Place::Header, short(format!("{count} triangles"), file_bytes(count))));
     }
     let (records, _) = bytes[HEADER..].as_chunks::<RECORD>();
     let mut corners = Corners::new(file);
     for (number, record) in (1..).zip(&records[..count as usize]) {
-        file.look(number, || number as f64 / f64::from(count))?;
+        file.report_progress(number, || number as f64 / f64::from(count))?;
         let (numbers, _) = record.as_chunks::<4>();
         let numbers = numbers.iter().map(|&number| f64::from(f32::from_le_bytes(number)));
         let mut numbers = numbers.skip(3);
@@ -54,7 +54,7 @@ pub(super) fn read_binary(file: ModelFile<'_>) -> Result<Imported, ImportError> 
             corners.push(within_reach(file, DVec3::new(x, y, z), || Place::Triangle(number))?)?;
         }
     }
-    let rest = bytes.len() as u64 - needed(count);
+    let rest = bytes.len() as u64 - file_bytes(count);
     let warning = (rest > 0).then(|| format!("bytes after the last triangle were left out: {rest}"));
     corners.finish(warning)
 }
@@ -67,7 +67,7 @@ pub(super) fn read_text(file: ModelFile<'_>) -> Result<Imported, ImportError> {
     let mut facets = 0;
     let read = read_solids(&mut words, &mut |corner, left| {
         facets += 1;
-        file.look(facets, || 1.0 - left as f64 / bytes.len() as f64)?;
+        file.report_progress(facets, || 1.0 - left as f64 / bytes.len() as f64)?;
         corners.push(corner)
     });
     match read {
@@ -98,10 +98,10 @@ fn read_solids(
 ) -> Result<(), Stop> {
     while let Some(word) = words.next() {
         words.ended = false;
-        if is(word, "solid") || is(word, "endsolid") {
-            words.ended = is(word, "endsolid");
+        if is_keyword(word, "solid") || is_keyword(word, "endsolid") {
+            words.ended = is_keyword(word, "endsolid");
             words.skip_line();
-        } else if is(word, "facet") {
+        } else if is_keyword(word, "facet") {
             words.expect("normal", "`normal`")?;
             for _ in 0..3 {
                 words.need("a normal of three numbers")?;
@@ -125,7 +125,7 @@ fn read_solids(
     Ok(())
 }
 
-fn is(word: &[u8], keyword: &str) -> bool {
+fn is_keyword(word: &[u8], keyword: &str) -> bool {
     word.eq_ignore_ascii_case(keyword.as_bytes())
 }
 
@@ -156,7 +156,7 @@ impl<'a> Words<'a> {
     /// Reads the next word, which must be `keyword`.
     fn expect(&mut self, keyword: &str, needed: &'static str) -> Result<(), Problem> {
         let word = self.need(needed)?;
-        if is(word, keyword) { Ok(()) } else { Err(Problem::Unexpected { found: quote(word), needed }) }
+        if is_keyword(word, keyword) { Ok(()) } else { Err(Problem::Unexpected { found: quote(word), needed }) }
     }
 
     /// Skips the rest of the line: the name of a solid is free.

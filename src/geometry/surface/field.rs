@@ -4,15 +4,15 @@
 use glam::{DVec3, UVec3};
 
 /// Cells along the longest extent.
-const COARSE: f64 = 16.0;
+const COARSE_CELLS: f64 = 16.0;
 /// Cells along an edge of a coarse cell near the surface.
-const FINE: u32 = 4;
+const FINE_CELLS: u32 = 4;
 /// The largest rounding error of a distance kept in single precision, over the size of the surface.
-const ROUNDING: f64 = 1e-6;
+const ROUNDING_ERROR: f64 = 1e-6;
 
 /// The grid.
 #[derive(Clone, Debug)]
-pub(super) struct Field {
+pub(super) struct DistanceField {
     origin: DVec3,
     cell: f64,
     dims: UVec3,
@@ -32,18 +32,18 @@ pub(super) enum Bound {
     /// It is near the surface, on either side.
     Near {
         /// It is no farther than that.
-        most: f64,
+        max_distance: f64,
         /// A triangle that is near.
         triangle: u32,
     },
 }
 
-impl Field {
+impl DistanceField {
     /// Builds the grid of a surface in a box `±extent` about the origin. `distance` gives the signed distance of a point and
     /// the triangle nearest to it.
     #[expect(clippy::cast_possible_truncation, reason = "a few dozen cells, and what is lost is allowed for")]
     pub(super) fn new(extent: DVec3, distance: impl Fn(DVec3) -> (f64, u32)) -> Self {
-        let cell = 2.0 * extent.max_element() / COARSE;
+        let cell = 2.0 * extent.max_element() / COARSE_CELLS;
         let dims = (extent * 2.0 / cell).ceil().max(DVec3::ONE).as_uvec3() + 2;
         let origin = dims.as_dvec3() * (-0.5 * cell);
         let mut field = Self { origin, cell, dims, coarse: Vec::new(), fine: Vec::new() };
@@ -58,9 +58,13 @@ impl Field {
                     if first == u32::MAX {
                         continue;
                     }
-                    let part = cell / f64::from(FINE);
-                    for number in 0..FINE * FINE * FINE {
-                        let place = UVec3::new(number % FINE, number / FINE % FINE, number / (FINE * FINE));
+                    let part = cell / f64::from(FINE_CELLS);
+                    for number in 0..FINE_CELLS * FINE_CELLS * FINE_CELLS {
+                        let place = UVec3::new(
+                            number % FINE_CELLS,
+                            number / FINE_CELLS % FINE_CELLS,
+                            number / (FINE_CELLS * FINE_CELLS),
+                        );
                         let (distance, triangle) = distance(corner + (place.as_dvec3() + 0.5) * part);
                         field.fine.push((distance as f32, triangle));
                     }
@@ -88,19 +92,19 @@ impl Field {
         let (middle, first) = self.coarse[(index.x + self.dims.x * (index.y + self.dims.y * index.z)) as usize];
         let within = place - place.floor();
         if first == u32::MAX {
-            return Self::told(f64::from(middle), ((within - 0.5) * self.cell).length(), 0);
+            return Self::bound_from_sample(f64::from(middle), ((within - 0.5) * self.cell).length(), 0);
         }
-        let part = (within * f64::from(FINE)).as_uvec3().min(UVec3::splat(FINE - 1));
-        let (middle, triangle) = self.fine[(first + part.x + FINE * (part.y + FINE * part.z)) as usize];
-        let from_middle = within - (part.as_dvec3() + 0.5) / f64::from(FINE);
-        Self::told(f64::from(middle), (from_middle * self.cell).length(), triangle)
+        let part = (within * f64::from(FINE_CELLS)).as_uvec3().min(UVec3::splat(FINE_CELLS - 1));
+        let (middle, triangle) = self.fine[(first + part.x + FINE_CELLS * (part.y + FINE_CELLS * part.z)) as usize];
+        let from_middle = within - (part.as_dvec3() + 0.5) / f64::from(FINE_CELLS);
+        Self::bound_from_sample(f64::from(middle), (from_middle * self.cell).length(), triangle)
     }
 
     /// Returns the bound of a point from the `distance` of a place that is `away` from it.
-    fn told(distance: f64, away: f64, triangle: u32) -> Bound {
-        let least = distance.abs() - away - ROUNDING;
+    fn bound_from_sample(distance: f64, away: f64, triangle: u32) -> Bound {
+        let least = distance.abs() - away - ROUNDING_ERROR;
         if least <= 0.0 {
-            Bound::Near { most: distance.abs() + away + ROUNDING, triangle }
+            Bound::Near { max_distance: distance.abs() + away + ROUNDING_ERROR, triangle }
         } else if distance > 0.0 {
             Bound::Outside(least)
         } else {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::Surface;
-use super::orient::BYTES_A_TRIANGLE;
+use super::orient::BYTES_PER_TRIANGLE;
 
 impl Surface {
     /// The bytes that a surface takes.
@@ -19,7 +19,7 @@ impl Surface {
     /// edges.
     pub fn bytes_while_made(&self) -> u64 {
         let mesh = self.positions.len() * size_of::<DVec3>() + self.triangles.len() * size_of::<[u32; 3]>();
-        let triangle = size_of::<[DVec3; 3]>() + BYTES_A_TRIANGLE;
+        let triangle = size_of::<[DVec3; 3]>() + BYTES_PER_TRIANGLE;
         (mesh + self.triangles.len() * triangle) as u64
     }
 }

@@ -19,14 +19,14 @@ mod orient;
 mod tree;
 mod triangle;
 
-pub(super) use orient::{NONE, Turns, neighbours, turns};
+pub(super) use orient::{NO_TRIANGLE, Orientations, neighbours, orientations};
 
 use glam::DVec3;
 use thiserror::Error;
 
 use super::TriMesh;
 use crate::math::Aabb;
-use field::{Bound, Field};
+use field::{Bound, DistanceField};
 use orient::{Oriented, orient};
 use tree::Tree;
 use triangle::Feature;
@@ -35,10 +35,10 @@ use triangle::Feature;
 pub const MAX_TRIANGLES: usize = 2_000_000;
 
 /// About how many triangles are probed for the thickness of a surface.
-const PROBES: usize = 2000;
+const THICKNESS_PROBES: usize = 2000;
 
 /// The share of a closed surface that may be thinner than its stated thickness: its sharp edges.
-const THINNER: f64 = 0.05;
+const MAX_THIN_SHARE: f64 = 0.05;
 
 /// Why a mesh is no surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -70,7 +70,7 @@ pub struct Surface {
     half_extents: DVec3,
     half_thickness: f64,
     tree: Tree,
-    field: Field,
+    field: DistanceField,
 }
 
 /// The point of a surface nearest to another.
@@ -101,9 +101,9 @@ pub struct Pierced {
 
 /// The point of a triangle nearest to another.
 #[derive(Clone, Copy, Debug)]
-struct OfTriangle {
+struct TrianglePoint {
     /// The square of its distance.
-    squared: f64,
+    squared_distance: f64,
     triangle: usize,
     point: DVec3,
     feature: Feature,
@@ -112,7 +112,7 @@ struct OfTriangle {
 /// The nearest of all triangles.
 #[derive(Clone, Copy, Debug)]
 struct Closest {
-    best: OfTriangle,
+    best: TrianglePoint,
     /// No other triangle is nearer than this.
     next: f64,
 }
@@ -152,10 +152,10 @@ impl Surface {
             half_extents: bounds.size() * (0.5 / own_length),
             half_thickness: f64::INFINITY,
             tree,
-            field: Field::new(DVec3::ONE, |_| (1.0, 0)),
+            field: DistanceField::new(DVec3::ONE, |_| (1.0, 0)),
         };
         surface.find_normals();
-        surface.field = Field::new(surface.half_extents, |at| surface.searched_distance(at));
+        surface.field = DistanceField::new(surface.half_extents, |at| surface.signed_distance(at));
         if is_closed {
             surface.half_thickness = surface.thickness() * 0.5;
         }
@@ -215,26 +215,26 @@ impl Surface {
 
     /// The point of the surface nearest to another.
     pub fn nearest(&self, at: DVec3) -> NearestPoint {
-        let most = match self.field.bound(at) {
-            Bound::Near { most, triangle } => most.min(self.distance_to(triangle, at)),
+        let max_distance = match self.field.bound(at) {
+            Bound::Near { max_distance, triangle } => max_distance.min(self.distance_to(triangle, at)),
             Bound::Inside | Bound::Outside(_) => f64::INFINITY,
         };
-        self.search(at, most)
+        self.search(at, max_distance)
     }
 
     /// Finds the nearest point sooner if `triangle` is near; it may be any. Also returns how far the point may move, up to
-    /// `way`, until another triangle may be the nearest; 0 if several are.
-    pub fn nearest_beside(&self, at: DVec3, triangle: u32, way: f64) -> (NearestPoint, f64) {
+    /// `max_move`, until another triangle may be the nearest; 0 if several are.
+    pub fn nearest_beside(&self, at: DVec3, triangle: u32, max_move: f64) -> (NearestPoint, f64) {
         let known = if (triangle as usize) < self.triangles.len() { triangle } else { 0 };
-        let Closest { best, next } = self.closest(at, self.distance_to(known, at), 2.0 * way);
+        let Closest { best, next } = self.closest(at, self.distance_to(known, at), 2.0 * max_move);
         // A move brings the point nearer to the next triangle by at most its length, and as much farther from the nearest.
-        let alone = 0.5 * (next - best.squared.sqrt()) - SLACK;
-        (self.told(best), alone.min(way).max(0.0))
+        let alone = 0.5 * (next - best.squared_distance.sqrt()) - LENGTH_TOLERANCE;
+        (self.nearest_point(best), alone.min(max_move).max(0.0))
     }
 
     /// Returns the nearest point if `triangle` is known to be the nearest triangle.
     pub fn nearest_of(&self, at: DVec3, triangle: u32) -> NearestPoint {
-        self.told(self.of_triangle(triangle as usize, at))
+        self.nearest_point(self.nearest_on_triangle(triangle as usize, at))
     }
 
     /// Whether a point is inside.
@@ -247,15 +247,18 @@ impl Surface {
             }
     }
 
-    /// Finds where the line `from + t way`, t from 0 to 1, first crosses the surface; with `from_outside`, only faces that
-    /// it meets from outside count.
-    pub fn pierced(&self, from: DVec3, way: DVec3, from_outside: bool) -> Option<Pierced> {
-        let over = DVec3::ONE / way;
+    /// Finds where the line `from + t displacement`, t from 0 to 1, first crosses the surface; with `from_outside`, only
+    /// faces that it meets from outside count.
+    pub fn pierced(&self, from: DVec3, displacement: DVec3, from_outside: bool) -> Option<Pierced> {
+        let over = DVec3::ONE / displacement;
         let entry = |bounds: &Aabb<f64>| {
             let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
             for axis in 0..3 {
-                let (low, high) = (bounds.min[axis] - SLACK - from[axis], bounds.max[axis] + SLACK - from[axis]);
-                if way[axis] == 0.0 {
+                let (low, high) = (
+                    bounds.min[axis] - LENGTH_TOLERANCE - from[axis],
+                    bounds.max[axis] + LENGTH_TOLERANCE - from[axis],
+                );
+                if displacement[axis] == 0.0 {
                     if low > 0.0 || high < 0.0 {
                         return None;
                     }
@@ -267,19 +270,19 @@ impl Surface {
             (enter <= leave).then_some(enter)
         };
         let mut first: Option<Pierced> = None;
-        self.tree.walk(1.0, entry, |leaf, mut most| {
+        self.tree.walk(1.0, entry, |leaf, mut limit| {
             for triangle in leaf {
                 let normal = self.normals[triangle];
-                if from_outside && way.dot(normal) >= 0.0 {
+                if from_outside && displacement.dot(normal) >= 0.0 {
                     continue;
                 }
-                let t = triangle::crossing(self.corners(triangle), from, way);
+                let t = triangle::crossing(self.corners(triangle), from, displacement);
                 if let Some(t) = t.filter(|t| (0.0..=1.0).contains(t) && first.is_none_or(|found| *t < found.t)) {
                     first = Some(Pierced { t, normal });
-                    most = t;
+                    limit = t;
                 }
             }
-            most
+            limit
         });
         first
     }
@@ -292,48 +295,56 @@ impl Surface {
         triangle::nearest(self.corners(triangle as usize), at).0.distance(at)
     }
 
-    /// Finds the nearest point, which is known to be no farther than `most`.
-    fn search(&self, at: DVec3, most: f64) -> NearestPoint {
-        self.told(self.closest(at, most, 0.0).best)
+    /// Finds the nearest point, which is known to be no farther than `max_distance`.
+    fn search(&self, at: DVec3, max_distance: f64) -> NearestPoint {
+        self.nearest_point(self.closest(at, max_distance, 0.0).best)
     }
 
-    /// Finds the nearest triangle, which is known to be no farther than `most`, and the distance of the next one, at most
-    /// `beyond` more than that of the nearest.
-    fn closest(&self, at: DVec3, most: f64, beyond: f64) -> Closest {
+    /// Finds the nearest triangle, which is known to be no farther than `max_distance`, and the distance of the next one, at
+    /// most `beyond` more than that of the nearest.
+    fn closest(&self, at: DVec3, max_distance: f64, beyond: f64) -> Closest {
         let entry = |bounds: &Aabb<f64>| {
             let off = (bounds.min - at).max(at - bounds.max).max(DVec3::ZERO);
             Some(off.length_squared())
         };
         let within = |distance: f64| (distance + beyond) * (distance + beyond) * (1.0 + 1e-9) + 1e-18;
-        let mut best = OfTriangle { squared: f64::INFINITY, triangle: 0, point: DVec3::ZERO, feature: Feature::Face };
+        let mut best =
+            TrianglePoint { squared_distance: f64::INFINITY, triangle: 0, point: DVec3::ZERO, feature: Feature::Face };
         let mut next = f64::INFINITY;
-        self.tree.walk(within(most), entry, |leaf, mut most| {
+        self.tree.walk(within(max_distance), entry, |leaf, mut limit| {
             for triangle in leaf {
-                let other = self.of_triangle(triangle, at);
-                if other.squared < best.squared {
-                    next = best.squared;
-                    most = most.min(if beyond > 0.0 { within(other.squared.sqrt()) } else { other.squared });
+                let other = self.nearest_on_triangle(triangle, at);
+                if other.squared_distance < best.squared_distance {
+                    next = best.squared_distance;
+                    limit = limit.min(if beyond > 0.0 {
+                        within(other.squared_distance.sqrt())
+                    } else {
+                        other.squared_distance
+                    });
                     best = other;
                 } else {
-                    next = next.min(other.squared);
+                    next = next.min(other.squared_distance);
                 }
             }
-            most
+            limit
         });
-        Closest { best, next: next.sqrt().min(best.squared.sqrt() + beyond) }
+        Closest { best, next: next.sqrt().min(best.squared_distance.sqrt() + beyond) }
     }
 
-    fn of_triangle(&self, triangle: usize, at: DVec3) -> OfTriangle {
+    fn nearest_on_triangle(&self, triangle: usize, at: DVec3) -> TrianglePoint {
         let (point, feature) = triangle::nearest(self.corners(triangle), at);
-        OfTriangle { squared: point.distance_squared(at), triangle, point, feature }
+        TrianglePoint { squared_distance: point.distance_squared(at), triangle, point, feature }
     }
 
-    fn told(&self, OfTriangle { squared, triangle, point, feature }: OfTriangle) -> NearestPoint {
+    fn nearest_point(
+        &self,
+        TrianglePoint { squared_distance, triangle, point, feature }: TrianglePoint,
+    ) -> NearestPoint {
         let across = |edge: usize| self.neighbours[triangle][edge];
         let (normal, is_on_rim) = match feature {
             Feature::Face => (self.normals[triangle], false),
             Feature::Edge(edge) => match across(edge) {
-                NONE => (self.normals[triangle], true),
+                NO_TRIANGLE => (self.normals[triangle], true),
                 other => (self.normals[triangle] + self.normals[other as usize], false),
             },
             Feature::Corner(corner) => {
@@ -344,11 +355,11 @@ impl Surface {
         let normal = normal.try_normalize().unwrap_or(self.normals[triangle]);
         let is_on_face = feature == Feature::Face;
         let triangle = u32::try_from(triangle).unwrap_or_default();
-        NearestPoint { point, normal, is_on_face, is_on_rim, distance: squared.sqrt(), triangle }
+        NearestPoint { point, normal, is_on_face, is_on_rim, distance: squared_distance.sqrt(), triangle }
     }
 
     /// The signed distance by a search, and the nearest triangle.
-    fn searched_distance(&self, at: DVec3) -> (f64, u32) {
+    fn signed_distance(&self, at: DVec3) -> (f64, u32) {
         let nearest = self.search(at, f64::INFINITY);
         let distance = if self.is_closed && nearest.is_within(at) { -nearest.distance } else { nearest.distance };
         (distance, nearest.triangle)
@@ -364,7 +375,7 @@ impl Surface {
                 let (one, other) = (after - here, before - here);
                 let angle = libm::atan2(one.cross(other).length(), one.dot(other));
                 self.corner_normals[triangle[corner] as usize] += self.normals[number] * angle;
-                if self.neighbours[number][corner] == NONE {
+                if self.neighbours[number][corner] == NO_TRIANGLE {
                     self.on_rim[triangle[corner] as usize] = true;
                     self.on_rim[triangle[(corner + 1) % 3] as usize] = true;
                 }
@@ -377,19 +388,19 @@ impl Surface {
 
     /// Returns the thickness of a closed surface at its thinnest place, not counting sharp edges.
     fn thickness(&self) -> f64 {
-        let step = self.triangles.len().div_ceil(PROBES);
+        let step = self.triangles.len().div_ceil(THICKNESS_PROBES);
         let probe = |triangle: usize| {
             let [a, b, c] = self.corners(triangle);
             let area = (b - a).cross(c - a).length();
-            let (from, way) = ((a + b + c) / 3.0, self.normals[triangle] * -2.0);
-            let from = from + way * 1e-9;
+            let (from, displacement) = ((a + b + c) / 3.0, self.normals[triangle] * -2.0);
+            let from = from + displacement * 1e-9;
             // A face met from within faces the other way, so all faces count.
-            let through = self.pierced(from, way, false).map_or(1.0, |found| found.t * 2.0);
+            let through = self.pierced(from, displacement, false).map_or(1.0, |found| found.t * 2.0);
             (through, area)
         };
         let mut probes: Vec<_> = (0..self.triangles.len()).step_by(step).map(probe).collect();
         probes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut left = THINNER * probes.iter().map(|(_, area)| area).sum::<f64>();
+        let mut left = MAX_THIN_SHARE * probes.iter().map(|(_, area)| area).sum::<f64>();
         let thinnest = probes.iter().find(|(_, area)| {
             left -= area;
             left <= 0.0
@@ -399,7 +410,7 @@ impl Surface {
 }
 
 /// How much boxes are enlarged for a line, over the size of the surface: it must not slip between triangles.
-const SLACK: f64 = 1e-9;
+const LENGTH_TOLERANCE: f64 = 1e-9;
 
 impl NearestPoint {
     /// Whether a point to which this one is the nearest is inside a closed surface.

@@ -4,11 +4,11 @@
 use glam::DVec3;
 
 /// No triangle.
-pub(in crate::geometry) const NONE: u32 = u32::MAX;
+pub(in crate::geometry) const NO_TRIANGLE: u32 = u32::MAX;
 
 /// The bytes that orienting takes for a triangle, besides itself and its neighbours: its edges, its piece and whether it is
 /// turned.
-pub(super) const BYTES_A_TRIANGLE: usize = 3 * size_of::<Edge>() + size_of::<u32>() + size_of::<bool>();
+pub(super) const BYTES_PER_TRIANGLE: usize = 3 * size_of::<Edge>() + size_of::<u32>() + size_of::<bool>();
 
 /// Triangles over welded vertices, and the neighbour beyond every edge: edge e runs from corner e to the next one.
 #[derive(Clone, Debug)]
@@ -22,9 +22,10 @@ pub(super) struct Oriented {
 /// Turns triangles over welded vertices.
 pub(super) fn orient(positions: &[DVec3], mut triangles: Vec<[u32; 3]>) -> Oriented {
     let mut neighbours = neighbours(&triangles);
-    let has_rim = neighbours.as_flattened().contains(&NONE);
-    let Turns { turned, piece, is_orientable, is_consistent } = turns(&triangles, &neighbours);
-    for ((triangle, across), _) in triangles.iter_mut().zip(&mut neighbours).zip(&turned).filter(|(_, turned)| **turned)
+    let has_rim = neighbours.as_flattened().contains(&NO_TRIANGLE);
+    let Orientations { is_flipped, piece, is_orientable, is_consistent } = orientations(&triangles, &neighbours);
+    for ((triangle, across), _) in
+        triangles.iter_mut().zip(&mut neighbours).zip(&is_flipped).filter(|(_, is_flipped)| **is_flipped)
     {
         triangle.swap(1, 2);
         across.swap(0, 2);
@@ -65,7 +66,7 @@ struct Edge {
 pub(in crate::geometry) fn neighbours(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let mut edges = edges(triangles);
     edges.sort_unstable();
-    let mut neighbours = vec![[NONE; 3]; triangles.len()];
+    let mut neighbours = vec![[NO_TRIANGLE; 3]; triangles.len()];
     for same in edges.chunk_by(|a, b| a.ends == b.ends) {
         if let [a, b] = same {
             neighbours[a.triangle as usize][a.side as usize] = b.triangle;
@@ -88,8 +89,8 @@ fn edges(triangles: &[[u32; 3]]) -> Vec<Edge> {
 
 /// The pieces of a mesh that are connected by edges, and the triangles to turn so that they face as the first of their piece
 /// does.
-pub(in crate::geometry) struct Turns {
-    pub(in crate::geometry) turned: Vec<bool>,
+pub(in crate::geometry) struct Orientations {
+    pub(in crate::geometry) is_flipped: Vec<bool>,
     /// The piece of every triangle.
     pub(in crate::geometry) piece: Vec<u32>,
     /// Which pieces have two sides.
@@ -99,17 +100,21 @@ pub(in crate::geometry) struct Turns {
 }
 
 /// Finds the pieces and turns of triangles over welded vertices, given the neighbours beyond their edges.
-pub(in crate::geometry) fn turns(triangles: &[[u32; 3]], neighbours: &[[u32; 3]]) -> Turns {
+pub(in crate::geometry) fn orientations(triangles: &[[u32; 3]], neighbours: &[[u32; 3]]) -> Orientations {
     let count = triangles.len();
-    let mut found =
-        Turns { turned: vec![false; count], piece: vec![NONE; count], is_orientable: vec![], is_consistent: vec![] };
+    let mut found = Orientations {
+        is_flipped: vec![false; count],
+        piece: vec![NO_TRIANGLE; count],
+        is_orientable: vec![],
+        is_consistent: vec![],
+    };
     let mut waiting = Vec::new();
     for seed in 0..count {
-        if found.piece[seed] != NONE {
+        if found.piece[seed] != NO_TRIANGLE {
             continue;
         }
         let number = found.is_orientable.len();
-        let piece = u32::try_from(number).unwrap_or(NONE);
+        let piece = u32::try_from(number).unwrap_or(NO_TRIANGLE);
         found.is_orientable.push(true);
         found.is_consistent.push(true);
         found.piece[seed] = piece;
@@ -123,12 +128,12 @@ pub(in crate::geometry) fn turns(triangles: &[[u32; 3]], neighbours: &[[u32; 3]]
                 // Two triangles that face the same way run along their common edge in opposite directions.
                 let [from, to] = [triangles[here][edge], triangles[here][(edge + 1) % 3]];
                 let same = (0..3).any(|e| [triangles[other][e], triangles[other][(e + 1) % 3]] == [from, to]);
-                let turned = found.turned[here] ^ same;
-                if found.piece[other] == NONE {
-                    (found.piece[other], found.turned[other]) = (piece, turned);
-                    found.is_consistent[number] &= !turned;
+                let is_flipped = found.is_flipped[here] ^ same;
+                if found.piece[other] == NO_TRIANGLE {
+                    (found.piece[other], found.is_flipped[other]) = (piece, is_flipped);
+                    found.is_consistent[number] &= !is_flipped;
                     waiting.push(other);
-                } else if found.turned[other] != turned {
+                } else if found.is_flipped[other] != is_flipped {
                     found.is_orientable[number] = false;
                 }
             }

@@ -7,10 +7,10 @@ use glam::DVec3;
 use crate::math::Aabb;
 
 /// Triangles in a leaf.
-const LEAF: usize = 4;
+const LEAF_TRIANGLES: usize = 4;
 
 /// The deepest level: every level halves the number of triangles.
-const DEEPEST: usize = 48;
+const MAX_DEPTH: usize = 48;
 
 /// A tree over triangles that are in the order of its leaves. The first child of a node comes right after it.
 #[derive(Clone, Debug, Default)]
@@ -45,7 +45,7 @@ impl Tree {
         let count = u32::try_from(order.len()).unwrap_or(u32::MAX);
         let place = self.nodes.len();
         self.nodes.push(Node { bounds, first, count, second: 0 });
-        if order.len() <= LEAF {
+        if order.len() <= LEAF_TRIANGLES {
             return;
         }
         let middle = |triangle: u32| corners[triangle as usize].into_iter().sum::<DVec3>();
@@ -65,14 +65,14 @@ impl Tree {
     }
 
     /// Calls `visit` with the triangles of leaves, nearer boxes first. `entry` gives the distance of a box; boxes without
-    /// one, or beyond the limit, are skipped. The limit is `most` at first, then what `visit` last returned.
+    /// one, or beyond the limit, are skipped. The limit becomes what `visit` returns.
     pub(super) fn walk(
         &self,
-        mut most: f64,
+        mut limit: f64,
         entry: impl Fn(&Aabb<f64>) -> Option<f64>,
         mut visit: impl FnMut(Range<usize>, f64) -> f64,
     ) {
-        let mut waiting = [(0_u32, 0.0_f64); DEEPEST];
+        let mut waiting = [(0_u32, 0.0_f64); MAX_DEPTH];
         let mut depth = 0;
         let Some(root) = self.nodes.first() else { return };
         let Some(near) = entry(&root.bounds) else { return };
@@ -86,18 +86,18 @@ impl Tree {
                 next = Some(waiting[depth]);
                 continue;
             };
-            if near > most {
+            if near > limit {
                 continue;
             }
             let node = &self.nodes[place as usize];
             if node.second == 0 {
                 let first = node.first as usize;
-                most = visit(first..first + node.count as usize, most);
+                limit = visit(first..first + node.count as usize, limit);
                 continue;
             }
             let children = [place + 1, node.second].map(|child| (child, entry(&self.nodes[child as usize].bounds)));
             let wanted =
-                |(child, near): (u32, Option<f64>)| near.filter(|near| *near <= most).map(|near| (child, near));
+                |(child, near): (u32, Option<f64>)| near.filter(|near| *near <= limit).map(|near| (child, near));
             next = match children.map(wanted) {
                 [Some(a), Some(b)] => {
                     let (nearer, farther) = if b.1 < a.1 { (b, a) } else { (a, b) };

@@ -12,7 +12,7 @@ pub(super) enum Feature {
 }
 
 /// How far beyond its edges a line still crosses a triangle, over its size: no line slips between two triangles.
-const SEAM: f64 = 1e-9;
+const EDGE_TOLERANCE: f64 = 1e-9;
 
 /// The point of a triangle nearest to `at` (Ericson, *Real-Time Collision Detection*, 5.1.5).
 pub(super) fn nearest([a, b, c]: [DVec3; 3], at: DVec3) -> (DVec3, Feature) {
@@ -47,10 +47,11 @@ pub(super) fn nearest([a, b, c]: [DVec3; 3], at: DVec3) -> (DVec3, Feature) {
     (a + ab * (vb * over) + ac * (vc * over), Feature::Face)
 }
 
-/// The t at which the line `from + t way` crosses a triangle (Möller and Trumbore); none if it misses or is parallel.
-pub(super) fn crossing([a, b, c]: [DVec3; 3], from: DVec3, way: DVec3) -> Option<f64> {
+/// The t at which the line `from + t displacement` crosses a triangle (Möller and Trumbore); none if it misses or is
+/// parallel.
+pub(super) fn crossing([a, b, c]: [DVec3; 3], from: DVec3, displacement: DVec3) -> Option<f64> {
     let (ab, ac) = (b - a, c - a);
-    let p = way.cross(ac);
+    let p = displacement.cross(ac);
     let determinant = ab.dot(p);
     if determinant == 0.0 {
         return None;
@@ -58,6 +59,6 @@ pub(super) fn crossing([a, b, c]: [DVec3; 3], from: DVec3, way: DVec3) -> Option
     let offset = from - a;
     let u = offset.dot(p) / determinant;
     let q = offset.cross(ab);
-    let v = way.dot(q) / determinant;
-    (u >= -SEAM && v >= -SEAM && u + v <= 1.0 + SEAM).then(|| ac.dot(q) / determinant)
+    let v = displacement.dot(q) / determinant;
+    (u >= -EDGE_TOLERANCE && v >= -EDGE_TOLERANCE && u + v <= 1.0 + EDGE_TOLERANCE).then(|| ac.dot(q) / determinant)
 }

@@ -3,13 +3,13 @@
 
 use fixedbitset::FixedBitSet;
 
-use super::crossings::{Crossings, spans};
+use super::crossings::{Crossings, winding_spans};
 use super::quantized_mesh::QuantizedMesh;
 use super::{Cells, VoxelizeError};
-use crate::geometry::watch::Pieces;
+use crate::geometry::watch::CountedProgress;
 
 /// What rays found.
-pub(super) struct Parity {
+pub(super) struct ParityFill {
     /// The cells whose centre is inside.
     pub(super) cells: Cells,
     /// The number of cells with an even winding number other than zero: parity leaves them empty.
@@ -17,15 +17,18 @@ pub(super) struct Parity {
 }
 
 /// Sends a ray through every column of cells.
-pub(super) fn parity(quantized: &QuantizedMesh, pieces: &Pieces<'_>) -> Result<Parity, VoxelizeError> {
+pub(super) fn fill_by_parity(
+    quantized: &QuantizedMesh,
+    progress: &CountedProgress<'_>,
+) -> Result<ParityFill, VoxelizeError> {
     let QuantizedMesh { grid, ref triangles, .. } = *quantized;
-    let crossings = Crossings::new(triangles, grid.dims, pieces)?;
+    let crossings = Crossings::new(triangles, grid.dims, progress)?;
     let mut filled = FixedBitSet::with_capacity(grid.len());
     let mut overlaps = 0;
     let [nx, ny, nz] = grid.dims;
     for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
         let row = grid.index([0, j, k]);
-        spans(crossings.of_ray(j, k), nx, |first, end, winding| {
+        winding_spans(crossings.of_ray(j, k), nx, |first, end, winding| {
             if winding % 2 != 0 {
                 filled.insert_range(row + first as usize..row + end as usize);
             } else if winding != 0 {
@@ -33,7 +36,7 @@ pub(super) fn parity(quantized: &QuantizedMesh, pieces: &Pieces<'_>) -> Result<P
             }
         });
     }
-    Ok(Parity { cells: Cells { grid, filled }, overlaps })
+    Ok(ParityFill { cells: Cells { grid, filled }, overlaps })
 }
 
 #[cfg(test)]
@@ -45,9 +48,9 @@ mod tests {
     use crate::geometry::trimesh::tests::{boxed, together};
     use crate::math::rng::Rng;
 
-    fn inside(mesh: &TriMesh, divisions: u32) -> Parity {
+    fn inside(mesh: &TriMesh, divisions: u32) -> ParityFill {
         let quantized = QuantizedMesh::new(mesh, divisions).expect("a mesh");
-        parity(&quantized, &Pieces::new(&(), 1, [0.0, 1.0])).expect("not cancelled")
+        fill_by_parity(&quantized, &CountedProgress::new(&(), 1, [0.0, 1.0])).expect("not cancelled")
     }
 
     #[test]
@@ -58,7 +61,7 @@ mod tests {
         let sides = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
         let mesh = TriMesh { positions, triangles: sides.to_vec() };
         for divisions in [3, 9, 33] {
-            let Parity { cells, .. } = inside(&mesh, divisions);
+            let ParityFill { cells, .. } = inside(&mesh, divisions);
             for (at, cell) in cells.grid.iter().enumerate() {
                 let filled = cells.filled[at];
                 let middle = cells.grid.corner(cell) + DVec3::splat(cells.grid.cell_size * 0.5);

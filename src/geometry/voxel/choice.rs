@@ -1,18 +1,18 @@
 //! Chooses the occupancy (the way to fill a mesh with cells) by what the mesh is like, and says why (J3).
 
-use super::centre::{self, Parity};
+use super::centre::{self, ParityFill};
 use super::components::Components;
 use super::holes::Patched;
 use super::quantized_mesh::QuantizedMesh;
 use super::shell::{self, Shell};
 use super::{Cells, OccupancyChoice, VoxelizeError, report};
 use crate::geometry::trimesh::MeshFacts;
-use crate::geometry::watch::Pieces;
+use crate::geometry::watch::CountedProgress;
 use crate::geometry::{TriMesh, Watch};
 
 /// The share of the solid cells, in percent, that may lie far from every cell of centre occupancy; if more do, the automatic
 /// choice is solid. Lost legs and horns exceed it, the lost tip of a tail does not.
-const FAR_PERCENT: f64 = 2.0;
+const MAX_FAR_PERCENT: f64 = 2.0;
 
 /// The filled cells before any component is dropped, and how they were chosen.
 pub(super) struct Filled {
@@ -31,24 +31,24 @@ pub(super) fn fill(
     occupancy: OccupancyChoice,
     watch: &dyn Watch,
 ) -> Result<Filled, VoxelizeError> {
-    let chunks = quantized.triangles.len().div_ceil(shell::CHUNK);
-    let shell = |from: f64| Shell::new(quantized, &Pieces::new(watch, chunks, [from, 0.9]));
+    let chunks = quantized.triangles.len().div_ceil(shell::CHUNK_TRIANGLES);
+    let shell = |from: f64| Shell::new(quantized, &CountedProgress::new(watch, chunks, [from, 0.9]));
     // Holes that are small for the model are closed first, so that air does not get in even if they are larger than a cell.
-    let tight = || {
+    let fill_solid = || {
         let patched = if facts.closed { None } else { Patched::of(mesh).filter(|patched| patched.holes > 0) };
         let Some(Patched { whole, .. }) = patched else { return Ok((shell(0.0)?.solid(), "")) };
         let whole = QuantizedMesh::within(&whole, quantized.grid);
-        let chunks = whole.triangles.len().div_ceil(shell::CHUNK);
-        let solid = Shell::new(&whole, &Pieces::new(watch, chunks, [0.0, 0.9]))?.solid();
+        let chunks = whole.triangles.len().div_ceil(shell::CHUNK_TRIANGLES);
+        let solid = Shell::new(&whole, &CountedProgress::new(watch, chunks, [0.0, 0.9]))?.solid();
         Ok((solid, ", once its small holes are closed"))
     };
-    let parity = || centre::parity(quantized, &Pieces::new(watch, chunks, [0.0, 0.4]));
+    let parity = || centre::fill_by_parity(quantized, &CountedProgress::new(watch, chunks, [0.0, 0.4]));
     let filled = |used, cells, why: String| Filled { cells, used, why, warnings: Vec::new() };
     let asked = || "asked for".to_owned();
     match occupancy {
         OccupancyChoice::Surface => Ok(filled(occupancy, shell(0.0)?.surface(), asked())),
         OccupancyChoice::Solid => {
-            let (solid, how) = tight()?;
+            let (solid, how) = fill_solid()?;
             Ok(filled(occupancy, solid, format!("asked for{how}")))
         }
         OccupancyChoice::Centre => {
@@ -64,7 +64,7 @@ pub(super) fn fill(
             Ok(filled(OccupancyChoice::Surface, shell(0.0)?.surface(), why.to_owned()))
         }
         OccupancyChoice::Auto if !facts.closed => {
-            let (solid, how) = tight()?;
+            let (solid, how) = fill_solid()?;
             let opening = opening(facts);
             let why = format!("the mesh is open ({opening}): the cells that it touches and what they enclose{how}");
             Ok(filled(OccupancyChoice::Solid, solid, why))
@@ -87,7 +87,7 @@ pub(super) fn fill(
 }
 
 /// Returns why centre occupancy would misrepresent a closed mesh; none if it would not.
-fn centre_fails(quantized: &QuantizedMesh, facts: &MeshFacts, inside: &Parity, solid: &Cells) -> Option<String> {
+fn centre_fails(quantized: &QuantizedMesh, facts: &MeshFacts, inside: &ParityFill, solid: &Cells) -> Option<String> {
     let components = Components::new(&inside.cells);
     if components.sizes.is_empty() {
         return Some("the mesh is closed but so thin that no cell has its centre inside".to_owned());
@@ -105,7 +105,7 @@ fn centre_fails(quantized: &QuantizedMesh, facts: &MeshFacts, inside: &Parity, s
     }
     let far = far_cells(&inside.cells, solid);
     let share = 100.0 * far as f64 / solid.count() as f64;
-    if share > FAR_PERCENT {
+    if share > MAX_FAR_PERCENT {
         Some(format!("the mesh is closed but {share:.0} % of it is too thin to hold a cell's centre"))
     } else {
         None

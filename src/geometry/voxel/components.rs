@@ -7,17 +7,17 @@
 use super::{Cells, Keep};
 
 /// No component.
-const NONE: u32 = u32::MAX;
+const NO_COMPONENT: u32 = u32::MAX;
 
 /// Steps in y and z from a row to the four of the eight rows around it that come before it.
-const BEFORE: [[isize; 2]; 4] = [[-1, 0], [-1, -1], [0, -1], [1, -1]];
+const PREVIOUS_ROWS: [[isize; 2]; 4] = [[-1, 0], [-1, -1], [0, -1], [1, -1]];
 
 /// The component of every cell.
 pub(super) struct Components {
     /// Rows along x in a layer.
     rows: usize,
     runs: Runs,
-    /// The component of every run; [`NONE`] if its cells were emptied.
+    /// The component of every run; [`NO_COMPONENT`] if its cells were emptied.
     of_run: Vec<u32>,
     /// The number of cells of every component; components are numbered in the order of their first cells.
     pub(super) sizes: Vec<usize>,
@@ -94,7 +94,7 @@ impl Components {
         let runs = Runs::of(cells);
         let mut forest = Forest((0..runs.runs.len()).collect());
         for (layer, row) in (0..layers).flat_map(|layer| (0..rows).map(move |row| (layer, row))) {
-            for [up, back] in BEFORE {
+            for [up, back] in PREVIOUS_ROWS {
                 let other_row = row.checked_add_signed(up).filter(|&other| other < rows);
                 if let (Some(other_row), Some(other_layer)) = (other_row, layer.checked_add_signed(back)) {
                     runs.join([layer * rows + row, other_layer * rows + other_row], &mut forest);
@@ -118,18 +118,18 @@ impl Components {
         let runs = self.runs.starts[row]..self.runs.starts[row + 1];
         let run = runs.start + self.runs.runs[runs.clone()].partition_point(|run| run.end <= place);
         let is_here = runs.contains(&run) && self.runs.runs[run].first <= place;
-        is_here.then(|| self.of_run[run]).filter(|label| *label != NONE)
+        is_here.then(|| self.of_run[run]).filter(|label| *label != NO_COMPONENT)
     }
 
     /// Adds a component without cells and returns its number.
     fn add(&mut self) -> u32 {
         self.sizes.push(0);
         // There are fewer components than cells, and fewer cells than 2³².
-        u32::try_from(self.sizes.len() - 1).unwrap_or(NONE - 1)
+        u32::try_from(self.sizes.len() - 1).unwrap_or(NO_COMPONENT - 1)
     }
 
     /// Empties the cells that are not kept and returns how many. Of equally large components the first is kept.
-    pub(super) fn keep(&mut self, keep: Keep, cells: &mut Cells) -> usize {
+    pub(super) fn drop_unkept(&mut self, keep: Keep, cells: &mut Cells) -> usize {
         let Some(most) = self.sizes.iter().copied().max().filter(|_| keep == Keep::Largest) else { return 0 };
         let largest = self.sizes.iter().position(|&size| size == most);
         let length = cells.grid.dims[0] as usize;
@@ -141,7 +141,7 @@ impl Components {
             }
         }
         for label in of_run.iter_mut().filter(|label| largest != Some(**label as usize)) {
-            *label = NONE;
+            *label = NO_COMPONENT;
         }
         self.sizes.iter().sum::<usize>() - most
     }
@@ -158,9 +158,9 @@ mod tests {
     /// Labels cells and counts them by component, cell by cell.
     fn by_flooding(cells: &Cells) -> (Vec<u32>, Vec<usize>) {
         let grid = cells.grid;
-        let (mut labels, mut sizes) = (vec![NONE; cells.filled.len()], Vec::new());
+        let (mut labels, mut sizes) = (vec![NO_COMPONENT; cells.filled.len()], Vec::new());
         for (seed, start) in grid.iter().enumerate().filter(|(seed, _)| cells.filled[*seed]) {
-            if labels[seed] != NONE {
+            if labels[seed] != NO_COMPONENT {
                 continue;
             }
             let label = u32::try_from(sizes.len()).expect("few");
@@ -170,7 +170,7 @@ mod tests {
                 size += 1;
                 for next in grid.around(cell) {
                     let at = grid.index(next);
-                    if cells.filled[at] && labels[at] == NONE {
+                    if cells.filled[at] && labels[at] == NO_COMPONENT {
                         labels[at] = label;
                         open.push(next);
                     }
@@ -192,7 +192,7 @@ mod tests {
             let mut cells = Cells { grid, filled: FixedBitSet::with_capacity(grid.len()) };
             (0..grid.len()).for_each(|at| cells.filled.set(at, rng.unit() < 0.3 * share));
             let found = Components::new(&cells);
-            let labels: Vec<u32> = grid.iter().map(|cell| found.of(cell).unwrap_or(NONE)).collect();
+            let labels: Vec<u32> = grid.iter().map(|cell| found.of(cell).unwrap_or(NO_COMPONENT)).collect();
             several += usize::from(found.sizes.len() > 2 && found.sizes.iter().any(|&size| size > 4));
             assert_eq!((labels, found.sizes), by_flooding(&cells), "{dims:?}");
         }
@@ -205,14 +205,14 @@ mod tests {
         let mut cells = Cells::from_list(&list, 1.0).expect("a small list");
         let mut components = Components::new(&cells);
         assert_eq!(components.sizes, [3, 2], "a corner and an edge join; a gap of a cell does not");
-        assert_eq!(components.keep(Keep::All, &mut cells), 0, "all are kept");
-        assert_eq!((components.keep(Keep::Largest, &mut cells), cells.count()), (2, 3), "the pair is dropped");
+        assert_eq!(components.drop_unkept(Keep::All, &mut cells), 0, "all are kept");
+        assert_eq!((components.drop_unkept(Keep::Largest, &mut cells), cells.count()), (2, 3), "the pair is dropped");
     }
 
     #[test]
     fn of_equals_the_first_is_kept() {
         let mut cells = Cells::from_list(&[[0, 0, 0], [2, 0, 0]], 1.0).expect("a small list");
-        Components::new(&cells).keep(Keep::Largest, &mut cells);
+        Components::new(&cells).drop_unkept(Keep::Largest, &mut cells);
         assert_eq!(cells.iter().collect::<Vec<_>>(), [[0, 0, 0]], "the lower one");
     }
 }

@@ -3,14 +3,14 @@
 use glam::DVec3;
 
 use crate::geometry::TriMesh;
-use crate::geometry::surface::{NONE, Turns, neighbours, turns};
+use crate::geometry::surface::{NO_TRIANGLE, Orientations, neighbours, orientations};
 use crate::geometry::trimesh::DisjointSets;
 
 /// The largest hole that is closed, as a share of its piece's surface; a larger one is an opening.
-const LARGEST_HOLE: f64 = 0.05;
+const MAX_HOLE_SHARE: f64 = 0.05;
 
 /// The most that all holes of a piece may cover, as a share of its surface; if they cover more, all are openings.
-const MOST_HOLES: f64 = 0.25;
+const MAX_TOTAL_HOLE_SHARE: f64 = 0.25;
 
 /// A mesh with its small holes closed; every piece faces as most of its surface does.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ pub(super) struct Patched {
     /// How many holes were closed.
     pub(super) holes: usize,
     /// The volume that the open pieces would enclose with flat lids on their openings, in the mesh's units.
-    pub(super) lidded: f64,
+    pub(super) lidded_volume: f64,
 }
 
 impl Patched {
@@ -31,20 +31,22 @@ impl Patched {
         let welded = mesh.triangles.iter().map(|corners| corners.map(|vertex| weld[vertex as usize]));
         let mut triangles: Vec<[u32; 3]> = welded.filter(|&[a, b, c]| a != b && b != c && c != a).collect();
         let neighbours = neighbours(&triangles);
-        let Turns { turned, piece, is_orientable, .. } = turns(&triangles, &neighbours);
+        let Orientations { is_flipped, piece, is_orientable, .. } = orientations(&triangles, &neighbours);
         let mut areas = vec![[0.0; 2]; is_orientable.len()];
-        for ((triangle, piece), turned) in triangles.iter().zip(&piece).zip(&turned) {
-            areas[*piece as usize][usize::from(*turned)] += area(&mesh.positions, *triangle);
+        for ((triangle, piece), is_flipped) in triangles.iter().zip(&piece).zip(&is_flipped) {
+            areas[*piece as usize][usize::from(*is_flipped)] += area(&mesh.positions, *triangle);
         }
         let mut rim = Vec::new();
-        for (((triangle, across), &piece), turned) in triangles.iter_mut().zip(&neighbours).zip(&piece).zip(&turned) {
+        for (((triangle, across), &piece), is_flipped) in
+            triangles.iter_mut().zip(&neighbours).zip(&piece).zip(&is_flipped)
+        {
             let [as_it_is, other] = areas[piece as usize];
-            let turned = turned ^ (other > as_it_is);
-            for edge in (0..3).filter(|edge| across[*edge] == NONE) {
+            let is_flipped = is_flipped ^ (other > as_it_is);
+            for edge in (0..3).filter(|edge| across[*edge] == NO_TRIANGLE) {
                 let [from, to] = [triangle[edge], triangle[(edge + 1) % 3]];
-                rim.push(if turned { RimEdge { piece, from: to, to: from } } else { RimEdge { piece, from, to } });
+                rim.push(if is_flipped { RimEdge { piece, from: to, to: from } } else { RimEdge { piece, from, to } });
             }
-            if turned {
+            if is_flipped {
                 triangle.swap(1, 2);
             }
         }
@@ -60,7 +62,7 @@ impl Patched {
         let is_closed = |piece: u32| {
             let [largest, all] = openings[piece as usize];
             let area: f64 = areas[piece as usize].iter().sum();
-            is_orientable[piece as usize] && largest <= LARGEST_HOLE * area && all <= MOST_HOLES * area
+            is_orientable[piece as usize] && largest <= MAX_HOLE_SHARE * area && all <= MAX_TOTAL_HOLE_SHARE * area
         };
         let holes = holes().filter(|hole| is_closed(hole[0].0)).count();
         let of_pieces = piece.into_iter().zip(triangles);
@@ -70,15 +72,15 @@ impl Patched {
         }
         whole.extend(caps.iter().copied().filter(|(piece, _)| is_closed(*piece)));
         let lids = caps.iter().filter(|(piece, _)| !is_closed(*piece));
-        let lidded = rest.iter().chain(lids).filter(|(piece, _)| is_orientable[*piece as usize]);
-        let lidded = enclosed(&positions, lidded, areas.len());
+        let lidded_triangles = rest.iter().chain(lids).filter(|(piece, _)| is_orientable[*piece as usize]);
+        let lidded_volume = enclosed_volume(&positions, lidded_triangles, areas.len());
         let mesh = |of_pieces: &[(u32, [u32; 3])], positions| {
             let triangles = of_pieces.iter().map(|(_, triangle)| *triangle).collect();
             TriMesh { positions, triangles }
         };
         let closed = (!rest.is_empty()).then(|| mesh(&whole, positions.clone()));
         whole.extend(rest);
-        Some(Self { whole: mesh(&whole, positions), closed, holes, lidded })
+        Some(Self { whole: mesh(&whole, positions), closed, holes, lidded_volume })
     }
 }
 
@@ -117,7 +119,7 @@ fn caps(rim: &[RimEdge], positions: &mut Vec<DVec3>) -> Vec<(u32, [u32; 3])> {
             let length = (to - from).length();
             (sum + 0.5 * length * (from + to), all + length)
         });
-        let middle = u32::try_from(positions.len()).unwrap_or(NONE);
+        let middle = u32::try_from(positions.len()).unwrap_or(NO_TRIANGLE);
         positions.push(if length > 0.0 { sum / length } else { corner(hole[0].1.from) });
         caps.extend(hole.iter().map(|(_, edge)| (edge.piece, [edge.to, edge.from, middle])));
     }
@@ -125,7 +127,11 @@ fn caps(rim: &[RimEdge], positions: &mut Vec<DVec3>) -> Vec<(u32, [u32; 3])> {
 }
 
 /// Returns the volume that closed pieces enclose together, whichever way each faces.
-fn enclosed<'a>(positions: &[DVec3], triangles: impl Iterator<Item = &'a (u32, [u32; 3])>, pieces: usize) -> f64 {
+fn enclosed_volume<'a>(
+    positions: &[DVec3],
+    triangles: impl Iterator<Item = &'a (u32, [u32; 3])>,
+    pieces: usize,
+) -> f64 {
     let mut sixfold = vec![0.0_f64; pieces];
     for (piece, triangle) in triangles {
         let [a, b, c] = triangle.map(|vertex| positions[vertex as usize] - positions[0]);

@@ -9,21 +9,21 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::crossings::{Crossing, Crossings, spans};
+use super::crossings::{Crossing, Crossings, winding_spans};
 use super::holes::Patched;
 use super::pieces::{Divider, area};
-use super::shell::CHUNK;
+use super::shell::CHUNK_TRIANGLES;
 use super::{Grid, VoxelizeError};
 use crate::geometry::{TriMesh, Watch};
 
 /// Steps of thickness in a cell, if the surface is not too large.
-const STEPS: u32 = 8;
+const MAX_RAYS_PER_CELL: u32 = 8;
 
 /// About the number of pieces of a surface: fewer if edges would be below half a cell, more if its triangles are small.
-const PIECES: f64 = 3e4;
+const TARGET_PIECES: f64 = 3e4;
 
 /// The largest distance between a crossing of a ray and the middle of the piece that it belongs to, steps.
-const NEAR: f64 = 2.0;
+const CROSSING_TOLERANCE: f64 = 2.0;
 
 /// What cells lose of a piece of the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,18 +51,18 @@ impl LostDetail {
     /// Finds the lost detail of a mesh within a grid.
     pub fn of(mesh: &TriMesh, grid: &Grid, watch: &dyn Watch) -> Result<Self, VoxelizeError> {
         let rays = Rays::new(mesh, grid, watch)?;
-        let longest = (area(mesh, grid) / PIECES).sqrt().max(0.5);
+        let longest = (area(mesh, grid) / TARGET_PIECES).sqrt().max(0.5);
         let mut divider = Divider::new(mesh, grid, longest);
         let part_of = mesh.facts().part_of_triangle;
         let (mut corners, mut parts) = (Vec::new(), Vec::new());
         // The only part in a cell, or none where there are several.
-        let mut alone: BTreeMap<usize, Option<u32>> = BTreeMap::new();
+        let mut only_part: BTreeMap<usize, Option<u32>> = BTreeMap::new();
         for (triangle, &part) in part_of.iter().enumerate() {
-            if triangle % CHUNK == 0 && watch.cancelled() {
+            if triangle % CHUNK_TRIANGLES == 0 && watch.cancelled() {
                 return Err(VoxelizeError::Cancelled);
             }
             divider.triangles(triangle, |piece| {
-                let found = alone.entry(cell_of(grid, &piece)).or_insert(Some(part));
+                let found = only_part.entry(cell_of(grid, &piece)).or_insert(Some(part));
                 *found = found.filter(|found| *found == part);
                 corners.push(piece);
                 parts.push(part);
@@ -71,8 +71,8 @@ impl LostDetail {
         let lost: Vec<Lost> = corners
             .iter()
             .map(|piece| {
-                let Lost { thin, joined } = rays.see(piece);
-                Lost { thin, joined: joined || alone.get(&cell_of(grid, piece)) == Some(&None) }
+                let Lost { thin, joined } = rays.find_lost(piece);
+                Lost { thin, joined: joined || only_part.get(&cell_of(grid, piece)) == Some(&None) }
             })
             .collect();
         let size = |[a, b, c]: &[DVec3; 3]| (*b - *a).cross(*c - *a).length();
@@ -123,12 +123,12 @@ impl Rays {
     fn new(mesh: &TriMesh, grid: &Grid, watch: &dyn Watch) -> Result<Self, VoxelizeError> {
         let patched = Patched::of(mesh);
         let mesh = patched.as_ref().map_or(mesh, |patched| &patched.whole);
-        let (along, fine) = Crossings::along_axes(mesh, grid, STEPS, 2, watch)?;
+        let (along, fine) = Crossings::along_axes(mesh, grid, MAX_RAYS_PER_CELL, 2, watch)?;
         Ok(Self { steps: fine.dims[0] / grid.dims[0], dims: fine.dims, along })
     }
 
     /// Looks behind a piece and in front of it; its corners are in cells.
-    fn see(&self, [a, b, c]: &[DVec3; 3]) -> Lost {
+    fn find_lost(&self, [a, b, c]: &[DVec3; 3]) -> Lost {
         let normal = (*b - *a).cross(*c - *a).normalize_or_zero().abs();
         let axis = usize::from(normal.y > normal.x);
         let axis = if normal.z > normal[axis] { 2 } else { axis };
@@ -142,20 +142,20 @@ impl Rays {
         let ray = self.along[axis].of_ray(j, k);
         let length = |steps: f64| steps * normal[axis] / f64::from(self.steps);
         let is_below = |length: Option<f64>| length.is_some_and(|length| length < 1.0 - 0.5 / f64::from(self.steps));
-        let [inside, outside] = lengths(ray, self.dims[axis], middle[axis]).map(|steps| steps.map(length));
+        let [inside, outside] = span_lengths(ray, self.dims[axis], middle[axis]).map(|steps| steps.map(length));
         Lost { thin: inside.is_none() || is_below(inside), joined: is_below(outside) }
     }
 }
 
 /// Returns how long a ray is inside, and in a gap between surfaces, next to a place on it, steps; the longer span of two.
-fn lengths(ray: &[Crossing], cells: u32, place: f64) -> [Option<f64>; 2] {
-    let total = ray.iter().fold(0_i16, |sum, crossing| sum.wrapping_add(crossing.sign));
+fn span_lengths(ray: &[Crossing], cells: u32, place: f64) -> [Option<f64>; 2] {
+    let total = ray.iter().fold(0_i16, |sum, crossing| sum.wrapping_add(crossing.winding_change));
     let mut found = [None, None];
-    spans(ray, cells, |first, end, winding| {
+    winding_spans(ray, cells, |first, end, winding| {
         let is_inside = if total == 0 { winding != 0 } else { winding % 2 != 0 };
         let is_gap = !is_inside && first > 0 && end < cells;
         let [first, end] = [first, end].map(f64::from);
-        let is_near = (first - place).abs() <= NEAR || (end - place).abs() <= NEAR;
+        let is_near = (first - place).abs() <= CROSSING_TOLERANCE || (end - place).abs() <= CROSSING_TOLERANCE;
         if is_near && (is_inside || is_gap) {
             let longest = &mut found[usize::from(!is_inside)];
             *longest = Some(longest.map_or(end - first, |other: f64| other.max(end - first)));
@@ -171,7 +171,7 @@ mod tests {
     use crate::geometry::voxel::tests::{ball, run, sheet, solid_box};
     use crate::geometry::voxel::{Keep, OccupancyChoice};
 
-    fn looked_at(mesh: &TriMesh, divisions: u32) -> LostDetail {
+    fn lost_detail(mesh: &TriMesh, divisions: u32) -> LostDetail {
         let filled = run(mesh, divisions, OccupancyChoice::Auto, Keep::All);
         LostDetail::of(mesh, &filled.cells.grid, &()).expect("nobody stops it")
     }
@@ -185,14 +185,14 @@ mod tests {
     #[test]
     fn a_thick_body_loses_nothing_and_a_sheet_all() {
         for mesh in [ball(DVec3::ZERO, 1.0, 32), solid_box([0.0; 3], [2.0, 1.0, 1.0])] {
-            let found = looked_at(&mesh, 8);
+            let found = lost_detail(&mesh, 8);
             assert!(found.thin_share < 0.01 && found.joined_share < 0.01, "{found:?}");
         }
-        let found = looked_at(&sheet(), 8);
+        let found = lost_detail(&sheet(), 8);
         assert!((found.thin_share - 1.0).abs() < 1e-9, "{}", found.thin_share);
-        let plate = looked_at(&solid_box([0.0; 3], [2.0, 0.1, 2.0]), 8);
+        let plate = lost_detail(&solid_box([0.0; 3], [2.0, 0.1, 2.0]), 8);
         assert!(plate.thin_share > 0.9, "all but its edges: {}", plate.thin_share);
-        let thick = looked_at(&solid_box([0.0; 3], [2.0, 0.26, 2.0]), 8);
+        let thick = lost_detail(&solid_box([0.0; 3], [2.0, 0.26, 2.0]), 8);
         assert!(thick.thin_share < 0.01, "a cell and a little more: {}", thick.thin_share);
     }
 
@@ -200,7 +200,7 @@ mod tests {
     fn a_thin_leg_is_marked_where_it_is() {
         let table =
             together(&[solid_box([0.0, 1.0, 0.0], [2.0, 1.5, 2.0]), solid_box([0.9, 0.0, 0.9], [1.0, 1.0, 1.0])]);
-        let found = looked_at(&table, 8);
+        let found = lost_detail(&table, 8);
         let thin = middles(&found, |lost| lost.thin);
         assert!(thin.len() > 20 && thin.iter().all(|middle| middle.y <= 1.0), "the leg alone: {thin:?}");
     }
@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn what_is_nearer_than_a_cell_is_joined_and_what_is_farther_is_not() {
         let apart = |gap: f64| {
-            looked_at(
+            lost_detail(
                 &together(&[
                     solid_box([0.0; 3], [2.0, 1.0, 1.0]),
                     solid_box([2.0 + gap, 0.0, 0.0], [4.0 + gap, 1.0, 1.0]),
@@ -221,7 +221,7 @@ mod tests {
         assert!(joined.len() > 10 && joined.iter().all(|middle| (middle.x - 2.05).abs() < 0.4), "{joined:?}");
         assert!(joined.iter().any(|middle| (middle.x - 2.0).abs() < 1e-9), "the faces that look at each other");
         assert!(apart(0.9).joined_share < 1e-9, "more than two cells apart");
-        let stacked = looked_at(
+        let stacked = lost_detail(
             &together(&[solid_box([0.0; 3], [2.0, 1.0, 1.0]), solid_box([0.0, 0.9, 0.0], [2.0, 2.0, 1.0])]),
             8,
         );
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn pieces_cover_the_surface() {
         let mesh = solid_box([0.0; 3], [2.0, 1.0, 1.0]);
-        let found = looked_at(&mesh, 8);
+        let found = lost_detail(&mesh, 8);
         let size = |mesh: &TriMesh| {
             let of = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
             (0..mesh.triangles.len()).map(|at| of(mesh.corners(at))).sum::<f64>()

@@ -25,7 +25,7 @@ use super::{TriMesh, Watch};
 use choice::Filled;
 use components::Components;
 use contents::contents;
-pub use contents::{Contents, LEAST_SHARE, SHEET_SHARE};
+pub use contents::{Contents, MIN_CELL_SHARE, SHEET_SHARE};
 pub use grid::{Cells, CellsError, Grid, lowest};
 pub use holes::patched;
 pub use lost_detail::{Lost, LostDetail};
@@ -78,7 +78,7 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
     if found == 0 {
         return Err(VoxelizeError::NoCells(divisions));
     }
-    let dropped_cells = components.keep(keep, &mut cells);
+    let dropped_cells = components.drop_unkept(keep, &mut cells);
     let pairs = report::parts_in_components(&quantized, &facts, &components);
     let joined_parts = report::joined_parts(&pairs, facts.parts, found);
     let thin_parts = report::thin_parts(&quantized, &facts);
@@ -88,7 +88,7 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
             "the cells fall into {found} components; the largest was kept and {dropped_cells} cells were dropped"
         ));
     }
-    let said_of = |count: usize, one: &str, many: &str| match (count, facts.parts) {
+    let parts_warning = |count: usize, one: &str, many: &str| match (count, facts.parts) {
         (_, 1) => format!("the mesh {one}"),
         (1, parts) => format!("1 of {parts} parts of the mesh {one}"),
         (_, parts) => format!("{count} of {parts} parts of the mesh {many}"),
@@ -97,17 +97,17 @@ pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) ->
         warnings.push(format!("triangles that repeat another one were left out: {duplicates}"));
     }
     if absent_parts > 0 {
-        warnings.push(said_of(absent_parts, "has no cell in the result", "have no cell in the result"));
+        warnings.push(parts_warning(absent_parts, "has no cell in the result", "have no cell in the result"));
     }
     if joined_parts > 0 {
-        warnings.push(said_of(
+        warnings.push(parts_warning(
             joined_parts,
             "is joined to another",
             "are joined to others by cells that share particles",
         ));
     }
     if thin_parts > 0 {
-        warnings.push(said_of(thin_parts, "is thinner than a cell", "are thinner than a cell"));
+        warnings.push(parts_warning(thin_parts, "is thinner than a cell", "are thinner than a cell"));
     }
     let counts = LatticeCounts::of(&cells);
     watch.progress(1.0);

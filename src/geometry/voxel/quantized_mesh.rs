@@ -8,9 +8,10 @@ use super::{Grid, VoxelizeError};
 use crate::geometry::TriMesh;
 
 /// Steps of the whole-number coordinates along a cell.
-pub(super) const CELL: i64 = 1 << 10;
+pub(super) const STEPS_PER_CELL: i64 = 1 << 10;
 
-/// A point in steps of 1/[`CELL`] cells. The grid is padded: its origin stands at (CELL, CELL, CELL).
+/// A point in steps of 1/[`STEPS_PER_CELL`] cells. The grid is padded: its origin stands one cell from zero along each
+/// axis.
 pub(super) type Point = [i64; 3];
 
 /// Triangles in the whole-number coordinates of a padded grid.
@@ -37,7 +38,7 @@ impl QuantizedMesh {
             return Err(VoxelizeError::Extent(longest));
         }
         // An extent longer than n cells by up to a step, from rounding in the file, is n cells.
-        let whole_cells = |extent: f64| libm::ceil(extent / cell_size - 1.0 / CELL as f64).max(1.0);
+        let whole_cells = |extent: f64| libm::ceil(extent / cell_size - 1.0 / STEPS_PER_CELL as f64).max(1.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and divisions")]
         let dims = extent.to_array().map(|extent| whole_cells(extent) as u32);
         let middle = DVec3::from_array(dims.map(f64::from)) * 0.5;
@@ -66,8 +67,8 @@ impl QuantizedMesh {
 /// The corners of a mesh's triangles; `place` gives a position in cells of the grid.
 fn triangles(mesh: &TriMesh, dims: [u32; 3], place: impl Fn(DVec3) -> DVec3) -> Vec<[Point; 3]> {
     let quantize = |position: DVec3| {
-        let steps = (place(position) + DVec3::ONE) * CELL as f64;
-        [0, 1, 2].map(|axis| whole(steps[axis]).clamp(CELL, (i64::from(dims[axis]) + 1) * CELL))
+        let steps = (place(position) + DVec3::ONE) * STEPS_PER_CELL as f64;
+        [0, 1, 2].map(|axis| whole(steps[axis]).clamp(STEPS_PER_CELL, (i64::from(dims[axis]) + 1) * STEPS_PER_CELL))
     };
     let quantized: Vec<Point> = mesh.positions.iter().map(|&position| quantize(position)).collect();
     mesh.triangles.iter().map(|triangle| triangle.map(|vertex| quantized[vertex as usize])).collect()
@@ -107,7 +108,10 @@ mod tests {
     fn a_boundary_in_the_model_is_a_boundary_of_cells_at_any_scale() {
         for scale in [1e-30, 0.1, 1e30] {
             let quantized = place(DVec3::new(0.3, 0.1, 0.2) * scale, 3);
-            assert!(quantized.triangles.iter().flatten().flatten().all(|step| step % CELL == 0), "on it at {scale}");
+            assert!(
+                quantized.triangles.iter().flatten().flatten().all(|step| step % STEPS_PER_CELL == 0),
+                "on it at {scale}"
+            );
         }
     }
 

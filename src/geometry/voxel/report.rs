@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::components::Components;
-use super::quantized_mesh::{CELL, QuantizedMesh};
-use super::shell::CHUNK;
+use super::quantized_mesh::{QuantizedMesh, STEPS_PER_CELL};
+use super::shell::CHUNK_TRIANGLES;
 use super::{OccupancyChoice, touch};
 use crate::geometry::trimesh::MeshFacts;
 
@@ -71,7 +71,8 @@ pub(super) fn parts_in_components(
         let is_in_grid = (0..3).all(|axis| inner[axis] < grid.dims[axis]);
         if is_in_grid { components.of(inner) } else { None }
     };
-    let chunks = quantized.triangles.par_chunks(CHUNK).zip(facts.part_of_triangle.par_chunks(CHUNK));
+    let chunks =
+        quantized.triangles.par_chunks(CHUNK_TRIANGLES).zip(facts.part_of_triangle.par_chunks(CHUNK_TRIANGLES));
     let mut pairs: Vec<[u32; 2]> = chunks
         .flat_map_iter(|(triangles, parts)| {
             let mut pairs = Vec::new();
@@ -121,6 +122,6 @@ pub(super) fn thin_parts(quantized: &QuantizedMesh, facts: &MeshFacts) -> usize 
             }
         }
     }
-    let is_thin = |[low, high]: &&[[i64; 3]; 2]| (0..3).any(|axis| high[axis] - low[axis] < CELL - 1);
+    let is_thin = |[low, high]: &&[[i64; 3]; 2]| (0..3).any(|axis| high[axis] - low[axis] < STEPS_PER_CELL - 1);
     boxes.iter().filter(is_thin).count()
 }

@@ -8,10 +8,10 @@ use rayon::prelude::*;
 
 use super::quantized_mesh::QuantizedMesh;
 use super::{Cells, Grid, VoxelizeError, touch};
-use crate::geometry::watch::Pieces;
+use crate::geometry::watch::CountedProgress;
 
 /// Triangles that one task takes at a time.
-pub(super) const CHUNK: usize = 512;
+pub(super) const CHUNK_TRIANGLES: usize = 512;
 
 /// What is known of every cell of the padded grid, one bit each.
 pub(super) struct Shell {
@@ -27,22 +27,22 @@ pub(super) struct Shell {
 
 impl Shell {
     /// Marks what the triangles touch and floods the rest from outside.
-    pub(super) fn new(quantized: &QuantizedMesh, pieces: &Pieces<'_>) -> Result<Self, VoxelizeError> {
+    pub(super) fn new(quantized: &QuantizedMesh, progress: &CountedProgress<'_>) -> Result<Self, VoxelizeError> {
         let QuantizedMesh { grid, padded, ref triangles } = *quantized;
-        let touched = Marks::new(&padded);
+        let touched = AtomicBitSet::new(&padded);
         let walls = [const { OnceLock::new() }; 3];
-        triangles.par_chunks(CHUNK).try_for_each(|chunk| {
+        triangles.par_chunks(CHUNK_TRIANGLES).try_for_each(|chunk| {
             for triangle in chunk {
                 touch::touched(triangle, |cell| touched.set(padded.index(cell)));
                 touch::walls(triangle, |axis, cell| {
-                    walls[axis].get_or_init(|| Marks::new(&padded)).set(padded.index(cell));
+                    walls[axis].get_or_init(|| AtomicBitSet::new(&padded)).set(padded.index(cell));
                 });
             }
-            pieces.advance().then_some(()).ok_or(VoxelizeError::Cancelled)
+            progress.advance().then_some(()).ok_or(VoxelizeError::Cancelled)
         })?;
-        let walls = walls.map(|marks| marks.into_inner().map_or_else(FixedBitSet::new, Marks::done));
+        let walls = walls.map(|marks| marks.into_inner().map_or_else(FixedBitSet::new, AtomicBitSet::into_bit_set));
         let outside = FixedBitSet::with_capacity(padded.len());
-        let mut shell = Self { grid, padded, touched: touched.done(), walls, outside };
+        let mut shell = Self { grid, padded, touched: touched.into_bit_set(), walls, outside };
         shell.flood();
         Ok(shell)
     }
@@ -130,12 +130,12 @@ impl Shell {
 }
 
 /// Cells that are marked from several threads. Setting bits commutes: the result does not depend on who comes first.
-struct Marks {
+struct AtomicBitSet {
     cells: usize,
     blocks: Vec<AtomicUsize>,
 }
 
-impl Marks {
+impl AtomicBitSet {
     fn new(grid: &Grid) -> Self {
         let blocks = grid.len().div_ceil(usize::BITS as usize);
         Self { cells: grid.len(), blocks: std::iter::repeat_with(AtomicUsize::default).take(blocks).collect() }
@@ -146,7 +146,7 @@ impl Marks {
         self.blocks[block].fetch_or(1 << bit, Ordering::Relaxed);
     }
 
-    fn done(self) -> FixedBitSet {
+    fn into_bit_set(self) -> FixedBitSet {
         FixedBitSet::with_capacity_and_blocks(self.cells, self.blocks.into_iter().map(AtomicUsize::into_inner))
     }
 }

@@ -5,28 +5,28 @@
 //! cell does not touch it. A triangle that lies in the plane between two cells touches neither; it is a wall between
 //! them ([`walls`]).
 
-use super::quantized_mesh::{CELL, Point};
+use super::quantized_mesh::{Point, STEPS_PER_CELL};
 
 /// A half-open range of cells along each axis.
 type Range = [[i64; 2]; 3];
 
 /// Calls `found` with every cell that the triangle touches.
 pub(super) fn touched(triangle: &[Point; 3], mut found: impl FnMut([u32; 3])) {
-    let reach = reach(triangle);
-    if reach.iter().all(|[low, high]| low < high) {
-        Separation::new(triangle).descend(reach, None, &mut found);
+    let range = cell_range(triangle);
+    if range.iter().all(|[low, high]| low < high) {
+        SeparatingAxes::new(triangle).descend(range, None, &mut found);
     }
 }
 
 /// Calls `found` with the axis and the upper of the two cells of every face that the triangle lies in.
 pub(super) fn walls(triangle: &[Point; 3], mut found: impl FnMut(usize, [u32; 3])) {
-    let mut reach = reach(triangle);
+    let mut range = cell_range(triangle);
     for axis in 0..3 {
-        let [plane, end] = reach[axis];
-        let others_are_wide = (0..3).all(|other| other == axis || reach[other][0] < reach[other][1]);
+        let [plane, end] = range[axis];
+        let others_are_wide = (0..3).all(|other| other == axis || range[other][0] < range[other][1]);
         if plane >= end && others_are_wide {
-            reach[axis] = [plane - 1, plane + 1];
-            Separation::new(triangle).descend(reach, Some(axis), &mut |mut cell| {
+            range[axis] = [plane - 1, plane + 1];
+            SeparatingAxes::new(triangle).descend(range, Some(axis), &mut |mut cell| {
                 cell[axis] += 1;
                 found(axis, cell);
             });
@@ -36,23 +36,23 @@ pub(super) fn walls(triangle: &[Point; 3], mut found: impl FnMut(usize, [u32; 3]
 }
 
 /// The cells whose inside the triangle's box meets; empty along an axis where it lies in a plane between cells.
-fn reach(triangle: &[Point; 3]) -> Range {
+fn cell_range(triangle: &[Point; 3]) -> Range {
     [0, 1, 2].map(|axis| {
         let [a, b, c] = triangle.map(|corner| corner[axis]);
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        [low.div_euclid(CELL), (high + CELL - 1).div_euclid(CELL)]
+        [low.div_euclid(STEPS_PER_CELL), (high + STEPS_PER_CELL - 1).div_euclid(STEPS_PER_CELL)]
     })
 }
 
 /// The axes that may separate a triangle from a box, besides the box's own.
-struct Separation {
+struct SeparatingAxes {
     /// Edge × axis directions and the triangle's extent along them.
     slabs: [Option<(Point, i64, i64)>; 9],
     /// The triangle's normal and its plane; products of three coordinates need more than 64 bits.
     plane: Option<([i128; 3], i128)>,
 }
 
-impl Separation {
+impl SeparatingAxes {
     fn new(triangle: &[Point; 3]) -> Self {
         let &[a, b, c] = triangle;
         let (u, v) = (minus(b, a), minus(c, b));
@@ -92,7 +92,7 @@ impl Separation {
 
     /// Whether the triangle misses the inside of a box. Box axes need no test: boxes are within the triangle's box.
     fn separates(&self, cells: Range) -> bool {
-        let [x, y, z] = cells.map(|range| range.map(|cell| cell * CELL));
+        let [x, y, z] = cells.map(|range| range.map(|cell| cell * STEPS_PER_CELL));
         let misses = |&(direction, low, high): &(Point, i64, i64)| {
             let (mut below, mut above) = (0, 0);
             for (d, [start, end]) in direction.into_iter().zip([x, y, z]) {
@@ -132,7 +132,7 @@ mod tests {
     use super::*;
     use crate::math::rng::Rng;
 
-    const H: i64 = CELL / 2;
+    const H: i64 = STEPS_PER_CELL / 2;
 
     fn cells(triangle: [Point; 3]) -> Vec<[u32; 3]> {
         let mut cells = Vec::new();
@@ -143,27 +143,39 @@ mod tests {
 
     #[test]
     fn a_triangle_inside_a_cell_touches_it_alone() {
-        let q = CELL / 4;
+        let q = STEPS_PER_CELL / 4;
         assert_eq!(cells([[H, H, H], [q, H, H], [H, q, H]]), [[0, 0, 0]], "well inside");
         assert_eq!(cells([[H; 3]; 3]), [[0, 0, 0]], "even as a point");
     }
 
     #[test]
     fn reaching_a_face_is_not_touching() {
-        assert_eq!(cells([[H, H, H], [CELL, H, H], [CELL, CELL, H]]), [[0, 0, 0]], "the next cell begins there");
-        assert_eq!(cells([[H, H, H], [CELL + 1, H, H], [CELL, H, CELL]]), [[0, 0, 0], [1, 0, 0]], "a step further");
+        assert_eq!(
+            cells([[H, H, H], [STEPS_PER_CELL, H, H], [STEPS_PER_CELL, STEPS_PER_CELL, H]]),
+            [[0, 0, 0]],
+            "the next cell begins there"
+        );
+        assert_eq!(
+            cells([[H, H, H], [STEPS_PER_CELL + 1, H, H], [STEPS_PER_CELL, H, STEPS_PER_CELL]]),
+            [[0, 0, 0], [1, 0, 0]],
+            "a step further"
+        );
     }
 
     #[test]
     fn a_triangle_between_cells_is_a_wall_and_touches_none() {
-        let triangle = [[CELL, 0, 0], [CELL, 2 * CELL, 0], [CELL, 0, 2 * CELL]];
+        let triangle =
+            [[STEPS_PER_CELL, 0, 0], [STEPS_PER_CELL, 2 * STEPS_PER_CELL, 0], [STEPS_PER_CELL, 0, 2 * STEPS_PER_CELL]];
         let mut found = Vec::new();
         walls(&triangle, |axis, cell| found.push((axis, cell)));
         found.sort_unstable();
         assert_eq!(found, [(0, [1, 0, 0]), (0, [1, 0, 1]), (0, [1, 1, 0])], "the corner (1, 1) is only reached");
         assert_eq!(cells(triangle), [[0_u32; 3]; 0], "no inside is met");
         let mut tilted = 0;
-        walls(&[[CELL, 0, 0], [CELL + 1, CELL, 0], [CELL, 0, CELL]], |_, _| tilted += 1);
+        walls(
+            &[[STEPS_PER_CELL, 0, 0], [STEPS_PER_CELL + 1, STEPS_PER_CELL, 0], [STEPS_PER_CELL, 0, STEPS_PER_CELL]],
+            |_, _| tilted += 1,
+        );
         assert_eq!(tilted, 0, "a step off the plane is no wall");
     }
 
@@ -172,7 +184,7 @@ mod tests {
         let mut rng = Rng::new(11);
         for _ in 0..200 {
             #[expect(clippy::cast_possible_truncation, reason = "a whole number of steps")]
-            let mut coordinate = || libm::floor(rng.between(0.0, 5.0 * CELL as f64)) as i64;
+            let mut coordinate = || libm::floor(rng.between(0.0, 5.0 * STEPS_PER_CELL as f64)) as i64;
             let triangle = [0; 3].map(|_| [coordinate(), coordinate(), coordinate()]);
             let found = cells(triangle);
             let samples: Vec<[f64; 3]> = (0..=120)
@@ -182,7 +194,7 @@ mod tests {
                 })
                 .collect();
             for sample in &samples {
-                let cell = sample.map(|x| x / CELL as f64);
+                let cell = sample.map(|x| x / STEPS_PER_CELL as f64);
                 let is_clear = cell.iter().all(|x| (x - libm::round(*x)).abs() > 1e-6);
                 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small and positive")]
                 let cell = cell.map(|x| x as u32);
@@ -190,7 +202,8 @@ mod tests {
             }
             for cell in found {
                 let distance = |sample: &[f64; 3]| {
-                    let off = |axis: usize| (sample[axis] / CELL as f64 - f64::from(cell[axis]) - 0.5).abs() - 0.5;
+                    let off =
+                        |axis: usize| (sample[axis] / STEPS_PER_CELL as f64 - f64::from(cell[axis]) - 0.5).abs() - 0.5;
                     off(0).max(off(1)).max(off(2))
                 };
                 assert!(samples.iter().any(|sample| distance(sample) < 0.06), "{cell:?} of {triangle:?} is far");

@@ -8,16 +8,16 @@ use gltf_json::validation::Checked;
 use gltf_json::{Material, Root};
 
 use super::buffers::Buffers;
-use crate::geometry::import::album::{Album, PictureBytes, Textures};
 use crate::geometry::import::error::{ImportError, Place};
 use crate::geometry::import::model_file::ModelFile;
+use crate::geometry::import::texture_requests::{PictureBytes, TextureRequests, Textures};
 use crate::geometry::picture_file::Opacity;
 use crate::geometry::texturing::TexturePlace;
 use crate::math::picture::{Filter, Sampling, Wrap};
 
 /// The pictures of base colours that are asked for.
 pub(super) struct BaseColors {
-    album: Album<Source>,
+    requests: TextureRequests<Source>,
     /// The picture of every material that was asked for.
     known: BTreeMap<usize, Option<BaseColor>>,
 }
@@ -34,7 +34,7 @@ enum Source {
 /// The picture of a material's base colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BaseColor {
-    /// Its number in the album.
+    /// Its number among the requests.
     pub(super) number: u16,
     /// The set of texture coordinates that places it on a mesh.
     pub(super) set: u32,
@@ -44,7 +44,7 @@ pub(super) struct BaseColor {
 
 impl BaseColors {
     pub(super) fn new() -> Self {
-        Self { album: Album::new(), known: BTreeMap::new() }
+        Self { requests: TextureRequests::new(), known: BTreeMap::new() }
     }
 
     /// The picture of a material's base colour, if it has one.
@@ -52,12 +52,12 @@ impl BaseColors {
         if let Some(known) = self.known.get(&material) {
             return *known;
         }
-        let found = root.materials.get(material).and_then(|material| self.ask(root, material));
+        let found = root.materials.get(material).and_then(|material| self.request(root, material));
         self.known.insert(material, found);
         found
     }
 
-    fn ask(&mut self, root: &Root, material: &Material) -> Option<BaseColor> {
+    fn request(&mut self, root: &Root, material: &Material) -> Option<BaseColor> {
         let info = material.pbr_metallic_roughness.base_color_texture.as_ref()?;
         let texture = root.textures.get(info.index.value());
         let sampler = texture.and_then(|texture| root.samplers.get(texture.sampler?.value()));
@@ -68,27 +68,27 @@ impl BaseColors {
             Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => Opacity::Ignored,
             Checked::Valid(AlphaMode::Mask | AlphaMode::Blend) => Opacity::Counts,
         };
-        let number = self.album.ask(source, opacity, sampler.map_or_else(Sampling::default, sampling))?;
+        let number = self.requests.request(source, opacity, sampler.map_or_else(Sampling::default, sampling))?;
         Some(BaseColor::new(number, info))
     }
 
     /// Whether nothing was asked for.
     pub(super) fn is_empty(&self) -> bool {
-        self.album.is_empty()
+        self.requests.is_empty()
     }
 
     /// Reads and unpacks the pictures; a picture that cannot be read gives a warning.
     ///
     /// # Errors
     /// If the watch has cancelled.
-    pub(super) fn develop(
+    pub(super) fn load(
         self,
         file: ModelFile<'_>,
         root: &Root,
         buffers: &mut Buffers<'_>,
         warnings: &mut Vec<String>,
     ) -> Result<Textures, ImportError> {
-        self.album.develop(file, |source| bytes_of(root, buffers, source), warnings)
+        self.requests.load(file, |source| bytes_of(root, buffers, source), warnings)
     }
 }
 

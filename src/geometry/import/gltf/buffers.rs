@@ -10,10 +10,10 @@ use gltf_json::Root;
 use percent_encoding::percent_decode_str;
 
 use crate::disk::ReadError;
-use crate::geometry::import::beside::below;
 use crate::geometry::import::error::{ImportError, Place, Problem};
 use crate::geometry::import::formats::MAX_FILE_BYTES;
 use crate::geometry::import::model_file::ModelFile;
+use crate::geometry::import::sibling_files::below;
 use crate::text::echo_up_to;
 
 /// Standard base64, with or without `=` at its end.

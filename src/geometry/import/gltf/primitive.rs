@@ -12,7 +12,7 @@ use crate::geometry::import::assembly::{Assembly, vertex_index, within_reach};
 use crate::geometry::import::error::{ImportError, Place, Problem};
 use crate::geometry::import::formats::MAX_PARTS;
 use crate::geometry::import::model_file::{Detail, Imported, ModelFile};
-use crate::geometry::named_parts::NameOf;
+use crate::geometry::named_parts::NameKind;
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_linear};
 use crate::geometry::texturing::TexturePlace;
 
@@ -57,8 +57,8 @@ impl<'a> Reader<'a> {
     }
 
     /// Names the primitives that follow; none is no name.
-    pub(super) fn call(&mut self, kind: NameOf, name: Option<&String>) {
-        self.assembly.call(kind, name.map_or("", String::as_str));
+    pub(super) fn set_name(&mut self, kind: NameKind, name: Option<&String>) {
+        self.assembly.set_name(kind, name.map_or("", String::as_str));
     }
 
     /// Returns the mesh of all that was added.
@@ -71,7 +71,7 @@ impl<'a> Reader<'a> {
             return self.assembly.finish();
         }
         let mut warnings = Vec::new();
-        let textures = self.base_colors.develop(self.file, self.root, &mut self.buffers, &mut warnings)?;
+        let textures = self.base_colors.load(self.file, self.root, &mut self.buffers, &mut warnings)?;
         for warning in warnings {
             self.assembly.warn(warning);
         }
@@ -86,7 +86,7 @@ impl<'a> Reader<'a> {
         let missing = || self.file.at(place.clone(), Problem::Missing("the attribute `POSITION`"));
         let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions)).ok_or_else(missing)?.value();
         let material = primitive.material.and_then(|material| self.root.materials.get(material.value()));
-        self.call(NameOf::Material, material.and_then(|material| material.name.as_ref()));
+        self.set_name(NameKind::Material, material.and_then(|material| material.name.as_ref()));
         let base = material.map(|material| &material.pbr_metallic_roughness);
         let base = base.map(|base| base.base_color_factor.0);
         self.assembly.paint_faces(base.map_or(NO_TINT, |[red, green, blue, _]| tint_of_linear([red, green, blue])));
@@ -111,7 +111,7 @@ impl<'a> Reader<'a> {
         let file = self.file;
         let mut face = Vec::new();
         for (number, [a, b, c]) in triangles(mode, corners.len()).enumerate() {
-            file.look(number, || 0.5)?;
+            file.report_progress(number, || 0.5)?;
             let order = if mirrored { [a, c, b] } else { [a, b, c] };
             face.clear();
             for corner in order {
@@ -145,7 +145,7 @@ impl<'a> Reader<'a> {
             })
             .collect();
         for (number, position) in placed.into_iter().enumerate() {
-            file.look(number, || 0.5)?;
+            file.report_progress(number, || 0.5)?;
             self.assembly.vertex(within_reach(file, position, || place.clone())?)?;
             self.assembly.paint_vertex(tints.get(number).copied().unwrap_or(NO_TINT));
             self.assembly.vertex_normal(normals.get(number).copied().unwrap_or(DVec3::ZERO));

@@ -61,7 +61,7 @@ fn materials_meshes_and_nodes_name_their_triangles() {
     let parts = parse(&glb(&text, &bytes()), "m.glb").expect("a good file").parts.expect("names");
     assert_eq!((parts.names(), parts.count()), (&["red", "tyre", "wheel"].map(str::to_owned)[..], 4));
     for name in ["red", "tyre", "wheel"] {
-        assert!(parts.is_of(name).eq([false, true]), "all of it is {name}");
+        assert!(parts.is_in_part(name).eq([false, true]), "all of it is {name}");
     }
     let text = text.replace(r#""material": 0"#, r#""material": 7"#);
     let parts = parse(&glb(&text, &bytes()), "m.glb").expect("a good file").parts.expect("names");
@@ -267,7 +267,7 @@ fn damaged_bytes_say_what_is_wrong_where() {
         "m.glb",
     );
     assert_eq!(kind, "m.glb, header: `XSON` stands where a chunk `JSON` is needed");
-    let many = format!("{{\"nodes\": [{}{{}}]}}", "{},".repeat(MOST_OBJECTS));
+    let many = format!("{{\"nodes\": [{}{{}}]}}", "{},".repeat(MAX_OBJECTS));
     assert!(
         refusal(many.as_bytes(), "m.gltf").contains("has more than"),
         "a node of two letters takes hundreds of bytes"

@@ -31,7 +31,7 @@ impl PropertyAccess for Element {
         } else if let Some(axis) = normal_axis(name) {
             self.normal[axis] = number(&property);
         } else if let Some(channel) = channel(name) {
-            self.color[channel] = number(&property) / full(&kind(&property));
+            self.color[channel] = number(&property) / full_scale(&kind(&property));
         } else if INDICES.contains(&name) {
             self.corners = whole_numbers(property);
         } else {
@@ -54,7 +54,7 @@ pub(super) fn text_element(line: &[u8], def: &ElementDef) -> Result<Element, Pro
                 if let Some(axis) = normal_axis(name) {
                     element.normal[axis] = coordinate(word).unwrap_or(f64::NAN);
                 } else if let Some(channel) = channel(name) {
-                    element.color[channel] = coordinate(word).unwrap_or(f64::NAN) / full(kind);
+                    element.color[channel] = coordinate(word).unwrap_or(f64::NAN) / full_scale(kind);
                 }
             }
             (PropertyType::List(..), _) => {
@@ -101,7 +101,7 @@ fn kind(property: &Property) -> ScalarType {
 }
 
 /// The value of full light.
-fn full(kind: &ScalarType) -> f64 {
+fn full_scale(kind: &ScalarType) -> f64 {
     match kind {
         ScalarType::Float | ScalarType::Double => 1.0,
         ScalarType::Short | ScalarType::UShort => f64::from(u16::MAX),

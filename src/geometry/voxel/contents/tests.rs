@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::super::tests::{ball, run, sheet, solid_box};
 use super::super::{Keep, OccupancyChoice, Voxelization};
-use super::{Contents, LEAST_SHARE, SHEET_SHARE, raise};
+use super::{Contents, MIN_CELL_SHARE, SHEET_SHARE, raise_shares};
 use crate::geometry::TriMesh;
 use crate::geometry::trimesh::tests::together;
 use crate::math::rng::Rng;
@@ -43,7 +43,10 @@ fn a_closed_mesh_has_its_volume_in_any_number_of_divisions() {
             let (filled, contents) = sampled(&ball, divisions, occupancy);
             let found = filled.report.volume_m3;
             assert!((found / exact - 1.0).abs() < 1e-9, "{occupancy:?} {divisions}: {found}, not {exact}");
-            assert!(contents.shares.iter().all(|share| *share >= LEAST_SHARE), "{occupancy:?} {divisions}: the least");
+            assert!(
+                contents.shares.iter().all(|share| *share >= MIN_CELL_SHARE),
+                "{occupancy:?} {divisions}: the least"
+            );
             assert_eq!(contents.shares.len(), filled.cells.count(), "one each");
         }
     }
@@ -54,9 +57,9 @@ fn the_samples_alone_come_near_the_volume_that_is_known() {
     let ball = ball(DVec3::ZERO, 0.8, 32);
     for divisions in [7, 20, 40] {
         let filled = run(&ball, divisions, OccupancyChoice::Solid, Keep::Largest);
-        let found = super::volume(&ball, &filled.cells.grid, false, &()).expect("nobody stops it");
-        let cells: f64 = found.all();
-        let known = found.known.expect("one skin");
+        let found = super::sample_volume(&ball, &filled.cells.grid, false, &()).expect("nobody stops it");
+        let cells: f64 = found.sampled_volume();
+        let known = found.known_volume.expect("one skin");
         assert!((cells / known - 1.0).abs() < 2e-3, "{divisions}: {cells} cells, not {known}");
     }
 }
@@ -69,8 +72,8 @@ fn samples_agree_with_the_triangle_test() {
         for divisions in [7, 20, 40] {
             let [solid, surface] = [OccupancyChoice::Solid, OccupancyChoice::Surface]
                 .map(|occupancy| run(&mesh, divisions, occupancy, Keep::All).cells);
-            let of_volume = super::volume(&mesh, &solid.grid, false, &()).expect("nobody stops it");
-            let of_surface = super::surface(&mesh, &surface.grid, 1.0, &()).expect("nobody stops it");
+            let of_volume = super::sample_volume(&mesh, &solid.grid, false, &()).expect("nobody stops it");
+            let of_surface = super::sample_surface(&mesh, &surface.grid, 1.0, &()).expect("nobody stops it");
             for (what, sampled, cells, most) in
                 [("volume", of_volume, solid, 0.05), ("surface", of_surface, surface, 0.125)]
             {
@@ -169,12 +172,12 @@ fn a_plate_too_thin_for_the_samples_still_weighs_what_it_does() {
 fn no_cell_is_emptier_than_the_least_and_the_sum_stays() {
     let mut shares = vec![0.0, 0.01, 0.1, 0.13, 0.5, 1.0, 1.2];
     let all: f64 = shares.iter().sum();
-    assert_eq!(raise(&mut shares), 4, "the fourth sinks below as the others give");
+    assert_eq!(raise_shares(&mut shares), 4, "the fourth sinks below as the others give");
     assert!((shares.iter().sum::<f64>() - all).abs() < 1e-12, "{shares:?}");
-    assert!(shares[..4].iter().all(|share| (share - LEAST_SHARE).abs() < 1e-12), "{shares:?}");
+    assert!(shares[..4].iter().all(|share| (share - MIN_CELL_SHARE).abs() < 1e-12), "{shares:?}");
     assert!((shares[6] / shares[5] - 1.2).abs() < 1e-12, "the others keep their proportion: {shares:?}");
     let mut thin = vec![0.0, 0.002, 0.004];
-    assert!(raise(&mut thin) == 1 && (thin[0] - 0.001).abs() < 1e-15, "half the mean of a sheet: {thin:?}");
+    assert!(raise_shares(&mut thin) == 1 && (thin[0] - 0.001).abs() < 1e-15, "half the mean of a sheet: {thin:?}");
 }
 
 #[test]

@@ -21,18 +21,18 @@ pub trait HeldFiles: fmt::Debug {
 
 /// Where the files beside a model are.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Beside<'a> {
+pub(super) enum SiblingFiles<'a> {
     /// In a folder.
     Folder(&'a Path),
     /// Among files that are held elsewhere, in this folder of them; the outermost one has no name.
     Held(&'a dyn HeldFiles, &'a str),
 }
 
-impl Beside<'_> {
+impl SiblingFiles<'_> {
     /// Reads a file; its name is one that [`below`] gave.
     pub(super) fn read(&self, name: &str, limit: u64) -> Result<Vec<u8>, ReadError> {
         match *self {
-            Self::Folder(folder) => disk::read(&folder.join(self.spelt(name)), limit),
+            Self::Folder(folder) => disk::read(&folder.join(self.actual_name(name)), limit),
             Self::Held(files, folder) => files.read(&joined(folder, name), limit),
         }
     }
@@ -40,14 +40,14 @@ impl Beside<'_> {
     /// Whether there is such a file.
     pub(super) fn has(&self, name: &str) -> bool {
         match *self {
-            Self::Folder(folder) => folder.join(self.spelt(name)).is_file(),
+            Self::Folder(folder) => folder.join(self.actual_name(name)).is_file(),
             Self::Held(..) => self.read(name, u64::MAX).is_ok(),
         }
     }
 
     /// Returns the name as the folder spells it. If there is no such file, a name that differs only in case is taken: on the
     /// system where the model was made, case may not matter.
-    pub(super) fn spelt(&self, name: &str) -> String {
+    pub(super) fn actual_name(&self, name: &str) -> String {
         let Self::Folder(folder) = *self else { return name.to_owned() };
         if folder.join(name).exists() {
             return name.to_owned();
@@ -55,7 +55,7 @@ impl Beside<'_> {
         let mut spelt = String::new();
         for part in name.split('/') {
             let place = folder.join(&spelt);
-            let own = if place.join(part).exists() { Some(part.to_owned()) } else { alike(&place, part) };
+            let own = if place.join(part).exists() { Some(part.to_owned()) } else { name_in_other_case(&place, part) };
             let Some(own) = own else { return name.to_owned() };
             spelt = joined(&spelt, &own);
         }
@@ -72,12 +72,12 @@ impl Beside<'_> {
 }
 
 /// The most files of a folder that are searched for a name that differs in case.
-const MOST_FILES: usize = 10_000;
+const MAX_FILES_SEARCHED: usize = 10_000;
 
 /// Returns the name in a folder that differs from this one only in case; of several the first in order.
-fn alike(folder: &Path, name: &str) -> Option<String> {
+fn name_in_other_case(folder: &Path, name: &str) -> Option<String> {
     let small = name.to_lowercase();
-    let entries = std::fs::read_dir(folder).ok()?.take(MOST_FILES).flatten();
+    let entries = std::fs::read_dir(folder).ok()?.take(MAX_FILES_SEARCHED).flatten();
     let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
     names.filter(|name| name.to_lowercase() == small).min()
 }
@@ -131,12 +131,12 @@ mod tests {
         for name in ["Maps/Wood.PNG", "one.png", "ONE.png"] {
             std::fs::write(at(name), name).expect("a file");
         }
-        let beside = Beside::Folder(folder.path());
+        let beside = SiblingFiles::Folder(folder.path());
         let read = |name: &str| beside.read(name, 99).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).ok();
         assert_eq!(read("maps/wood.png").as_deref(), Some("Maps/Wood.PNG"));
         assert!(beside.has("MAPS/Wood.png") && !beside.has("maps/stone.png") && !beside.has("wood.png"));
         assert_eq!([read("one.png"), read("One.png")], ["one.png", "ONE.png"].map(|name| Some(name.to_owned())));
-        assert_eq!(beside.spelt("no/such.png"), "no/such.png", "left for the message");
+        assert_eq!(beside.actual_name("no/such.png"), "no/such.png", "left for the message");
     }
 
     #[test]

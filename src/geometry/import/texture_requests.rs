@@ -15,7 +15,7 @@ use crate::text::echo_up_to;
 const MAX_TEXELS_TOGETHER: u64 = 1 << 27;
 
 /// The most textures of a model.
-const MOST_TEXTURES: usize = 1024;
+const MAX_TEXTURES: usize = 1024;
 
 /// The file of a picture: its name in messages, and its bytes or why there are none.
 pub(super) struct PictureBytes {
@@ -24,13 +24,13 @@ pub(super) struct PictureBytes {
 }
 
 /// The textures that are asked for; `K` identifies a picture.
-pub(super) struct Album<K> {
+pub(super) struct TextureRequests<K> {
     pictures: Vec<(K, Opacity)>,
     /// The index of the picture, and how it is looked up.
     textures: Vec<(usize, Sampling)>,
     is_full: bool,
     /// The most texels of all pictures together.
-    most_texels: u64,
+    max_texels: u64,
 }
 
 /// The textures that could be read.
@@ -42,18 +42,18 @@ pub(super) struct Textures {
     places: Vec<Option<u16>>,
 }
 
-impl<K: PartialEq> Album<K> {
+impl<K: PartialEq> TextureRequests<K> {
     pub(super) fn new() -> Self {
-        Self { pictures: Vec::new(), textures: Vec::new(), is_full: false, most_texels: MAX_TEXELS_TOGETHER }
+        Self { pictures: Vec::new(), textures: Vec::new(), is_full: false, max_texels: MAX_TEXELS_TOGETHER }
     }
 
     /// Asks for a texture and returns its number; none if there are too many.
-    pub(super) fn ask(&mut self, picture: K, opacity: Opacity, sampling: Sampling) -> Option<u16> {
+    pub(super) fn request(&mut self, picture: K, opacity: Opacity, sampling: Sampling) -> Option<u16> {
         let wanted = (picture, opacity);
         let known = self.pictures.iter().position(|known| *known == wanted);
         let texture = (known.unwrap_or(self.pictures.len()), sampling);
         let place = self.textures.iter().position(|known| *known == texture).unwrap_or(self.textures.len());
-        if place >= MOST_TEXTURES {
+        if place >= MAX_TEXTURES {
             self.is_full = true;
             return None;
         }
@@ -75,18 +75,18 @@ impl<K: PartialEq> Album<K> {
     ///
     /// # Errors
     /// If the watch has cancelled.
-    pub(super) fn develop(
+    pub(super) fn load(
         self,
         file: ModelFile<'_>,
         read: impl FnMut(K) -> PictureBytes,
         warnings: &mut Vec<String>,
     ) -> Result<Textures, ImportError> {
         if self.is_full {
-            warnings.push(format!("only the first {MOST_TEXTURES} textures of the model are shown"));
+            warnings.push(format!("only the first {MAX_TEXTURES} textures of the model are shown"));
         }
         let (keys, opacities): (Vec<K>, Vec<Opacity>) = self.pictures.into_iter().unzip();
         let read = keys.into_iter().map(read);
-        let pictures = unpack(file, read.zip(opacities), self.most_texels, warnings)?;
+        let pictures = decode_pictures(file, read.zip(opacities), self.max_texels, warnings)?;
         let mut textures = Textures { all: Vec::new(), places: Vec::new() };
         for (picture, sampling) in self.textures {
             let picture = pictures[picture].clone();
@@ -105,14 +105,14 @@ impl Textures {
 }
 
 /// Returns the warning about a picture that is not shown.
-fn left_out(name: &str, why: &str) -> String {
+fn picture_warning(name: &str, why: &str) -> String {
     format!("no picture from {}, plain colours instead: {why}", echo_up_to(name, 60))
 }
 
-fn unpack(
+fn decode_pictures(
     file: ModelFile<'_>,
     read: impl Iterator<Item = (PictureBytes, Opacity)>,
-    most_texels: u64,
+    max_texels: u64,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Option<Arc<Picture>>>, ImportError> {
     let (mut texels, mut packed) = (0, Vec::new());
@@ -121,10 +121,10 @@ fn unpack(
             return Err(file.cancelled());
         }
         let bytes = bytes.and_then(|bytes| {
-            let [width, height] = picture_file::size(&bytes).map_err(|error| said(&error))?;
+            let [width, height] = picture_file::size(&bytes).map_err(|error| sentence(&error))?;
             texels += u64::from(width) * u64::from(height);
-            if texels > most_texels {
-                let most = most_texels >> 20;
+            if texels > max_texels {
+                let most = max_texels >> 20;
                 return Err(format!("the pictures of the model have more than {most} million texels together"));
             }
             Ok(bytes)
@@ -135,7 +135,7 @@ fn unpack(
         .par_iter()
         .map(|(_, bytes, opacity)| match bytes {
             _ if file.watch.cancelled() => Err(String::new()),
-            Ok(bytes) => picture_file::decode(bytes, *opacity).map_err(|error| said(&error)),
+            Ok(bytes) => picture_file::decode(bytes, *opacity).map_err(|error| sentence(&error)),
             Err(why) => Err(why.clone()),
         })
         .collect();
@@ -143,14 +143,14 @@ fn unpack(
         return Err(file.cancelled());
     }
     let kept = packed.iter().zip(unpacked).map(|((name, ..), picture)| {
-        let told = picture.map_err(|why| warnings.push(left_out(name, &why)));
+        let told = picture.map_err(|why| warnings.push(picture_warning(name, &why)));
         told.ok().map(Arc::new)
     });
     Ok(kept.collect())
 }
 
 /// An error as a sentence of its own.
-fn said(error: &PictureError) -> String {
+fn sentence(error: &PictureError) -> String {
     format!("it {error}")
 }
 
@@ -171,10 +171,10 @@ mod tests {
 
     #[test]
     fn a_picture_is_unpacked_once_and_a_bad_one_is_told() {
-        let mut album = Album::new();
+        let mut requests = TextureRequests::new();
         let (plain, sharp) = (Sampling::default(), Sampling { levels: None, ..Sampling::default() });
         let asked = [("a", plain), ("bad", plain), ("a", sharp), ("a", plain), ("gone", sharp)];
-        let numbers = asked.map(|(name, sampling)| album.ask(name, Opacity::Counts, sampling));
+        let numbers = asked.map(|(name, sampling)| requests.request(name, Opacity::Counts, sampling));
         assert_eq!(numbers, [Some(0), Some(1), Some(2), Some(0), Some(3)]);
         let (mut warnings, mut read) = (Vec::new(), Vec::new());
         let bytes = |name: &str| {
@@ -185,7 +185,7 @@ mod tests {
                 _ => PictureBytes { name: name.to_owned(), bytes: Err("it does not exist".to_owned()) },
             }
         };
-        let textures = album.develop(FILE, bytes, &mut warnings).expect("nobody cancels");
+        let textures = requests.load(FILE, bytes, &mut warnings).expect("nobody cancels");
         assert_eq!(read, ["a", "bad", "gone"], "each once");
         assert_eq!([0, 1, 2, 3, 4].map(|number| textures.place(number)), [Some(0), None, Some(1), None, None]);
         assert!(Arc::ptr_eq(&textures.all[0].picture, &textures.all[1].picture), "one picture, looked up in two ways");
@@ -201,24 +201,25 @@ mod tests {
     #[test]
     fn all_pictures_together_have_a_limit_and_may_be_given_up() {
         let asked = || {
-            let mut album = Album { most_texels: 3 << 20, ..Album::new() };
-            let numbers = [0, 1, 2].map(|number| album.ask(number, Opacity::Ignored, Sampling::default()));
+            let mut requests = TextureRequests { max_texels: 3 << 20, ..TextureRequests::new() };
+            let numbers = [0, 1, 2].map(|number| requests.request(number, Opacity::Ignored, Sampling::default()));
             assert_eq!(numbers, [0, 1, 2].map(Some));
-            album
+            requests
         };
         let large = |number: i32| sound(&number.to_string(), [1 << 10, 1 << (10 + number.min(1))]);
         let mut warnings = Vec::new();
-        let textures = asked().develop(FILE, large, &mut warnings).expect("nobody cancels");
+        let textures = asked().load(FILE, large, &mut warnings).expect("nobody cancels");
         let places = [0, 1, 2].map(|number| textures.place(number));
         assert_eq!(places, [Some(0), Some(1), None], "the last is one too many: {warnings:?}");
         let why = "no picture from 2, plain colours instead: the pictures of the model have more than 3 million texels \
                    together";
         assert_eq!(warnings, [why]);
-        let given_up = asked().develop(ModelFile { watch: &Never, ..FILE }, |_| sound("a", [1, 1]), &mut warnings);
+        let given_up = asked().load(ModelFile { watch: &Never, ..FILE }, |_| sound("a", [1, 1]), &mut warnings);
         assert!(matches!(given_up, Err(ImportError::Cancelled { .. })));
-        let mut full = Album::new();
-        let numbers: Vec<_> = (0..=MOST_TEXTURES).map(|n| full.ask(n, Opacity::Counts, Sampling::default())).collect();
-        assert!(numbers[MOST_TEXTURES - 1].is_some() && numbers[MOST_TEXTURES].is_none(), "so many and no more");
-        assert_eq!(full.pictures.len(), MOST_TEXTURES, "what is not shown is not read");
+        let mut full = TextureRequests::new();
+        let numbers: Vec<_> =
+            (0..=MAX_TEXTURES).map(|n| full.request(n, Opacity::Counts, Sampling::default())).collect();
+        assert!(numbers[MAX_TEXTURES - 1].is_some() && numbers[MAX_TEXTURES].is_none(), "so many and no more");
+        assert_eq!(full.pictures.len(), MAX_TEXTURES, "what is not shown is not read");
     }
 }
