@@ -11,7 +11,7 @@ use super::plot::{Area, AxisWords, COLORS, COLUMNS, Drawn, PLOT, decades, legend
 use crate::report::error::cells::{CellsFigures, CellsRow};
 
 /// The range of the axis of cells.
-const DIVISIONS: [f64; 2] = [6.0, 48.0];
+const DIVISION_RANGE: [f64; 2] = [6.0, 48.0];
 /// The resolutions written beside the axis.
 const TICKS: [f64; 6] = [7.0, 10.0, 14.0, 20.0, 28.0, 40.0];
 
@@ -24,7 +24,7 @@ fn plot(area: &Area<'_>, figures: &CellsFigures) -> Drawn {
     let CellsFigures { case, rows, steps_error_m, steps_divisions, step_secs, .. } = figures;
     let rows = || rows.iter().filter(|row| row.error_m > 0.0);
     let errors = decades(rows().map(|row| row.error_m).chain([*steps_error_m]));
-    let [low, high] = DIVISIONS;
+    let [low, high] = DIVISION_RANGE;
     let mut chart = ChartBuilder::on(area)
         .caption(case, ("sans-serif", 18))
         .margin(10)

@@ -13,10 +13,10 @@ use crate::report::cost::crowd::CrowdRow;
 use crate::view::legend::three_digits;
 
 /// The size of a panel, pixels.
-const PANEL: [u32; 2] = [900, 520];
+const PANEL_SIZE: [u32; 2] = [900, 520];
 /// The left and right ends of the bars, and the room for the legend above them, pixels.
-const BARS: [i32; 2] = [150, 680];
-const TOP: i32 = 84;
+const BAR_ENDS: [i32; 2] = [150, 680];
+const BARS_TOP: i32 = 84;
 
 /// The content of a panel.
 enum Panel<'a> {
@@ -28,7 +28,7 @@ enum Panel<'a> {
 pub(super) fn svg(scenes: &[CostFigures], crowd: &[CrowdRow]) -> Result<String> {
     let mut shown = vec![Panel::Shares(scenes)];
     shown.extend((!crowd.is_empty()).then_some(Panel::Crowd(crowd)));
-    panels(&shown, PANEL, 1, |area, panel| match panel {
+    panels(&shown, PANEL_SIZE, 1, |area, panel| match panel {
         Panel::Shares(scenes) => shares(area, scenes),
         Panel::Crowd(rows) => crowded(area, rows),
     })
@@ -42,15 +42,15 @@ fn shares(area: &Area<'_>, scenes: &[CostFigures]) -> Drawn {
     let names: Vec<&str> =
         scenes.first().map(|scene| scene.stages.iter().map(|stage| stage.name).collect()).unwrap_or_default();
     let left = font(13).pos(Pos::new(HPos::Left, VPos::Center));
-    for ((name, color), x) in names.iter().zip(COLORS).zip((0..).map(|place: i32| BARS[0] + place * 92)) {
+    for ((name, color), x) in names.iter().zip(COLORS).zip((0..).map(|place: i32| BAR_ENDS[0] + place * 92)) {
         area.draw(&Rectangle::new([(x, 48), (x + 12, 60)], color.filled()))?;
         area.draw(&Text::new(name.replace('_', " "), (x + 17, 54), left.clone()))?;
     }
-    let [begin, end] = BARS;
+    let [begin, end] = BAR_ENDS;
     let right = font(13).pos(Pos::new(HPos::Right, VPos::Center));
-    let bottom = i32::try_from(PANEL[1]).unwrap_or(0) - 16;
-    let pitch = ((bottom - TOP) / i32::try_from(scenes.len().max(1)).unwrap_or(1)).min(34);
-    for (scene, top) in scenes.iter().zip((0..).map(|place: i32| TOP + place * pitch)) {
+    let bottom = i32::try_from(PANEL_SIZE[1]).unwrap_or(0) - 16;
+    let pitch = ((bottom - BARS_TOP) / i32::try_from(scenes.len().max(1)).unwrap_or(1)).min(34);
+    for (scene, top) in scenes.iter().zip((0..).map(|place: i32| BARS_TOP + place * pitch)) {
         let (middle, low) = (top + (pitch - 6) / 2, top + pitch - 6);
         area.draw(&Text::new(scene.scene.clone(), (begin - 8, middle), right.clone()))?;
         let mut share = 0.0;

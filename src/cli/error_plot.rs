@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use super::plot::{COLUMNS, PLOT, panels};
 use super::time_plot::{Curve, Point, TimePlot, draw};
-use crate::report::error::{ErrorFigures, Row, Way};
+use crate::report::error::{ErrorFigures, Row, SteppingMethod};
 
 /// The picture.
 pub(super) fn svg(scenes: &[ErrorFigures]) -> Result<String> {
@@ -13,15 +13,15 @@ pub(super) fn svg(scenes: &[ErrorFigures]) -> Result<String> {
 }
 
 fn plot(figures: &ErrorFigures) -> TimePlot {
-    let curve = |way: Way| {
-        let of_way = figures.rows.iter().filter(|row| row.integrator == way && !row.diverged);
-        Curve { name: way.words(), points: of_way.map(point).collect() }
+    let curve = |method: SteppingMethod| {
+        let of_method = figures.rows.iter().filter(|row| row.integrator == method && !row.diverged);
+        Curve { name: method.words(), points: of_method.map(point).collect() }
     };
     TimePlot {
         caption: format!("{}: {} links", figures.scene, figures.links),
         time: "wall time",
         known_m: figures.reference_error_m,
-        curves: Way::all().map(curve).collect(),
+        curves: SteppingMethod::all().map(curve).collect(),
     }
 }
 

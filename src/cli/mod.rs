@@ -9,10 +9,10 @@ mod collect;
 mod cost_plot;
 mod error_plot;
 mod failure;
-mod kept;
 mod modes;
 mod named_parts;
 mod out;
+mod partial_results;
 #[cfg(feature = "peers")]
 mod peers_plot;
 mod pictures;
@@ -50,7 +50,7 @@ use arguments::{Arguments, Command};
 pub use failure::Failure;
 
 /// A longer word is shortened in an error.
-const MOST_BYTES: usize = 800;
+const MAX_WORD_BYTES: usize = 800;
 
 /// Runs the program with its arguments, the program's name first. Reports a failure as one line on standard error.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -64,7 +64,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                     return ended(&failure);
                 }
                 // The words of the command line are repeated in it, however long they are.
-                let short = |word: &str| if word.len() > MOST_BYTES { echo(word) } else { word.to_owned() };
+                let short = |word: &str| if word.len() > MAX_WORD_BYTES { echo(word) } else { word.to_owned() };
                 let words: Vec<String> = error.render().to_string().trim_end().split(' ').map(short).collect();
                 out::note(&words.join(" "));
                 return ExitCode::from(Failure::USAGE);

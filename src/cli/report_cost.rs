@@ -56,7 +56,7 @@ fn measure(options: &ReportOptions) -> Result<Vec<CostFigures>, Failure> {
     let progress = Progress::new("scenes");
     let mut figures = Vec::new();
     for Subject { name, scene, lattices } in &subjects {
-        figures.push(cost::cost(name, scene, lattices, options.form.either(PATIENCE)));
+        figures.push(cost::cost(name, scene, lattices, options.form.full_or_quick(PATIENCE)));
         progress.progress(figures.len() as f64 / subjects.len() as f64);
     }
     Ok(figures)

@@ -10,8 +10,8 @@ use serde_json::json;
 use super::Failure;
 use super::cells_plot;
 use super::error_plot;
-use super::kept::{Kept, Measurement};
 use super::out::{self, Progress};
+use super::partial_results::{Measurement, PartialResults};
 use super::report_options::{ReportOptions, Subject, described};
 use super::shard::Shard;
 use crate::report::error::cells::{self, Case, CellsFigures};
@@ -51,20 +51,20 @@ pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
     options.changes.start_threads()?;
     let subjects = options.subjects(scenes)?;
     let cases: &[Case] = if options.given.is_empty() { &Case::ALL } else { &[] };
-    let about = json!({ "seconds": options.form.either(SECONDS), "cases": cases.len() });
+    let about = json!({ "seconds": options.form.full_or_quick(SECONDS), "cases": cases.len() });
     let measurement = Measurement::new(KIND, subjects.len() + cases.len(), about, &described(&subjects)?);
-    let kept = Kept::open(folder, measurement, args.shard)?;
-    measure(&subjects, cases, options, &kept)?;
-    if let Some(part) = kept.part() {
-        return Ok(out::part(part, kept.found().len(), options.form.json)?);
+    let results = PartialResults::open(folder, measurement, args.shard)?;
+    measure(&subjects, cases, options, &results)?;
+    if let Some(part) = results.part() {
+        return Ok(out::part(part, results.found().len(), options.form.json)?);
     }
-    let told = tell(kept.found(), folder, options.form.json);
-    kept.discard()?;
-    told
+    let outcome = publish(results.found(), folder, options.form.json);
+    results.discard()?;
+    outcome
 }
 
 /// Prints the report, writes it, and fails if a scheme or the cells do not converge.
-pub(super) fn tell(found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<(), Failure> {
+pub(super) fn publish(found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<(), Failure> {
     let (mut scenes, mut cells) = (Vec::new(), Vec::new());
     for piece in found {
         match piece {
@@ -102,9 +102,14 @@ pub(super) fn tell(found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Resu
 }
 
 /// Measures the scenes and cases one after another, except those that are kept.
-fn measure(subjects: &[Subject], cases: &[Case], options: &ReportOptions, kept: &Kept<Piece>) -> Result<(), Failure> {
-    let effort = Effort::full(options.form.either(SECONDS));
-    let missing = kept.missing();
+fn measure(
+    subjects: &[Subject],
+    cases: &[Case],
+    options: &ReportOptions,
+    results: &PartialResults<Piece>,
+) -> Result<(), Failure> {
+    let effort = Effort::full(options.form.full_or_quick(SECONDS));
+    let missing = results.missing();
     for (done, piece) in missing.iter().enumerate() {
         let progress = |name: &str| Progress::new(&format!("{name} ({} of {})", done + 1, missing.len()));
         let found = match (subjects.get(*piece), cases.get(piece.saturating_sub(subjects.len()))) {
@@ -114,7 +119,7 @@ fn measure(subjects: &[Subject], cases: &[Case], options: &ReportOptions, kept: 
             (None, Some(case)) => cells::measure(*case, options.form.quick, &progress(case.name())).map(Piece::Cells),
             (None, None) => None,
         };
-        kept.add(*piece, found.context("the measurement did not end")?)?;
+        results.add(*piece, found.context("the measurement did not end")?)?;
     }
     Ok(())
 }

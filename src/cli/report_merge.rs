@@ -8,7 +8,7 @@ use clap::Args;
 use serde::de::DeserializeOwned;
 
 use super::Failure;
-use super::kept::{self, Head, Measurement};
+use super::partial_results::{self, Head, Measurement};
 use super::report_options::make_folder;
 use super::{report_error, report_stability, sweep};
 use crate::text::echo_path;
@@ -42,17 +42,17 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
         report_error::KIND => {
             let found = found(&parts)?;
             write(&report_error::FILES)?;
-            report_error::tell(found, Some(folder), args.json)
+            report_error::publish(found, Some(folder), args.json)
         }
         report_stability::KIND => {
             let found = found(&parts)?;
             write(&report_stability::FILES)?;
-            report_stability::tell(&about(measurement)?, found, Some(folder), args.json)
+            report_stability::publish(&about(measurement)?, found, Some(folder), args.json)
         }
         sweep::KIND => {
             let found = found(&parts)?;
             write(&sweep::FILES)?;
-            sweep::tell(&about(measurement)?, &found, Some(folder), args.json)
+            sweep::publish(&about(measurement)?, &found, Some(folder), args.json)
         }
         other => Err(anyhow!("{} holds rows of {other:?}, which this Gelatin does not know", echo_path(first)).into()),
     }
@@ -72,14 +72,17 @@ fn parts(folders: &[PathBuf]) -> Result<Vec<(PathBuf, Head)>, Failure> {
         }
     }
     paths.sort();
-    paths.into_iter().map(|path| kept::read_head(&path).map(|head| (path, head)).map_err(Failure::from)).collect()
+    paths
+        .into_iter()
+        .map(|path| partial_results::read_head(&path).map(|head| (path, head)).map_err(Failure::from))
+        .collect()
 }
 
 /// All pieces in their order.
 fn found<T: DeserializeOwned>(parts: &[(PathBuf, Head)]) -> Result<Vec<T>, Failure> {
     let mut all = BTreeMap::new();
     for (path, _) in parts {
-        all.extend(kept::read::<T>(path)?.1);
+        all.extend(partial_results::read::<T>(path)?.1);
     }
     let pieces = parts.first().map_or(0, |(_, head)| head.measurement.pieces);
     if let Some(missing) = (0..pieces).find(|piece| !all.contains_key(piece)) {

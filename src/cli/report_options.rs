@@ -87,7 +87,7 @@ impl ReportForm {
     }
 
     /// The entry of a pair for this length of measurement: the second with `--quick`.
-    pub(super) fn either<T: Copy>(&self, [full, quick]: [T; 2]) -> T {
+    pub(super) fn full_or_quick<T: Copy>(&self, [full, quick]: [T; 2]) -> T {
         if self.quick { quick } else { full }
     }
 }

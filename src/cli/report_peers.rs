@@ -24,12 +24,12 @@ pub(super) fn run(form: &ReportForm) -> Result<(), Failure> {
     // Each engine has one thread.
     start_threads(1)?;
     let mut cubes = Vec::new();
-    for &divisions in form.either(DIVISIONS) {
+    for &divisions in form.full_or_quick(DIVISIONS) {
         let progress = Progress::new(&format!("{divisions} divisions"));
-        let found = measure(divisions, form.either(SECONDS), &progress);
+        let found = measure(divisions, form.full_or_quick(SECONDS), &progress);
         cubes.push(found.context("a cube cannot be made")?.context("the measurement did not end")?);
     }
-    let found = pile::measure(form.either(pile::SECONDS), &Progress::new("a pile"));
+    let found = pile::measure(form.full_or_quick(pile::SECONDS), &Progress::new("a pile"));
     let pile = found.context("a pile cannot be made")?.context("the measurement did not end")?;
     let text = words::markdown(&cubes, &pile);
     if let Some(folder) = folder {

@@ -31,7 +31,7 @@ pub(super) fn run(args: &SpeedArgs) -> Result<(), Failure> {
     start_threads(1)?;
     let all = available_parallelism().map_or(1, NonZero::get);
     let threads = if args.threads == 0 { all } else { usize::from(args.threads) };
-    let effort = args.form.either([Effort::FULL, Effort::QUICK]);
+    let effort = args.form.full_or_quick([Effort::FULL, Effort::QUICK]);
     let found = measure(effort, threads, &Progress::new("cubes"));
     let figures = found.context("a cube cannot be made")?.context("the measurement did not end")?;
     let text = words::markdown(&figures);

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Failure;
-use super::kept::{Kept, Measurement};
 use super::out;
+use super::partial_results::{Measurement, PartialResults};
 use super::report_options::{ReportOptions, Subject, described};
 use super::shard::Shard;
 use super::stability_plot;
@@ -120,23 +120,23 @@ pub(super) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     let folder = options.form.folder(&[FILES.as_slice(), &[&rows]].concat())?;
     options.changes.start_threads()?;
     let cases = options.subjects(matrix)?;
-    let default = if options.given.is_empty() { options.form.either(SCENES) } else { 0 };
+    let default = if options.given.is_empty() { options.form.full_or_quick(SCENES) } else { 0 };
     let random = args.scenes.unwrap_or(default);
     let about = About { seed: args.seed, random, quick: options.form.quick, own: options.given.is_empty() };
     let work = Work::all(&about, &cases);
     let measurement = Measurement::new(KIND, work.len(), serde_json::to_value(&about)?, &described(&cases)?);
-    let kept = Kept::open(folder, measurement, args.shard)?;
-    measure(&about, &work, &kept)?;
-    if let Some(part) = kept.part() {
-        return Ok(out::part(part, kept.found().len(), options.form.json)?);
+    let results = PartialResults::open(folder, measurement, args.shard)?;
+    measure(&about, &work, &results)?;
+    if let Some(part) = results.part() {
+        return Ok(out::part(part, results.found().len(), options.form.json)?);
     }
-    let told = tell(&about, kept.found(), folder, options.form.json);
-    kept.discard()?;
-    told
+    let outcome = publish(&about, results.found(), folder, options.form.json);
+    results.discard()?;
+    outcome
 }
 
 /// Prints the report, writes it, and fails if anything measured fails.
-pub(super) fn tell(about: &About, found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<(), Failure> {
+pub(super) fn publish(about: &About, found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<(), Failure> {
     let (mut all, mut verdicts, mut secs) = (StabilityFigures::default(), Vec::new(), 0.0);
     for piece in found {
         match piece {
@@ -200,14 +200,14 @@ fn write_scene(folder: &Path, seed: u64, number: u64) -> Result<(), Failure> {
 }
 
 /// Measures the pieces that are not kept yet.
-fn measure(about: &About, all: &[Work<'_>], kept: &Kept<Piece>) -> Result<(), Failure> {
-    let missing = kept.missing();
+fn measure(about: &About, all: &[Work<'_>], results: &PartialResults<Piece>) -> Result<(), Failure> {
+    let missing = results.missing();
     let tally = Tally::new("cases, maps and random scenes", missing.len());
     // The pieces are handed out one by one, so that no thread has several long ones left while another is idle.
     let work = missing.into_par_iter().with_max_len(1).map(|piece| {
         let found = all.get(piece).map(|work| measured(about, work)).transpose()?;
-        tally.one_more();
-        Ok(found.map_or(Ok(()), |found| kept.add(piece, found))?)
+        tally.increment();
+        Ok(found.map_or(Ok(()), |found| results.add(piece, found))?)
     });
     work.collect()
 }

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 /// The most parts of a measurement.
-const MOST: usize = 100_000;
+const MAX_PARTS: usize = 100_000;
 
 /// Part `number` of `of`, counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -43,10 +43,10 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wanted = || format!("write K/N, part K of N, with K from 1 to N and N up to {MOST}");
+        let wanted = || format!("write K/N, part K of N, with K from 1 to N and N up to {MAX_PARTS}");
         let (number, of) = text.split_once('/').ok_or_else(wanted)?;
         let [number, of] = [number, of].map(|digits| digits.parse::<usize>().unwrap_or(0));
-        if number == 0 || number > of || of > MOST { Err(wanted()) } else { Ok(Self { number, of }) }
+        if number == 0 || number > of || of > MAX_PARTS { Err(wanted()) } else { Ok(Self { number, of }) }
     }
 }
 

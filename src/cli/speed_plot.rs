@@ -32,8 +32,8 @@ enum Panel<'a> {
 }
 
 /// The left and right ends of the bars, and the top of the first one, pixels.
-const BARS: [i32; 2] = [230, 640];
-const TOP: i32 = 64;
+const BAR_ENDS: [i32; 2] = [230, 640];
+const BARS_TOP: i32 = 64;
 
 /// Draws a bar for every scene, on a logarithmic scale. The darker part is the share of contact between bodies.
 fn beside_real_time(area: &Area<'_>, scenes: &[SceneSpeed]) -> Drawn {
@@ -42,14 +42,14 @@ fn beside_real_time(area: &Area<'_>, scenes: &[SceneSpeed]) -> Drawn {
     let title = font(18).pos(Pos::new(HPos::Left, VPos::Center));
     area.draw(&Text::new("Scenes beside real time, and contact between bodies in them", (16, 24), title))?;
     let factors = decades(scenes.iter().map(|speed| speed.real_time_factor).chain([1.0]));
-    let [begin, end] = BARS;
+    let [begin, end] = BAR_ENDS;
     let across = |factor: f64| {
         let share = (factor / factors.start).ln() / (factors.end / factors.start).ln();
         begin + whole(share.clamp(0.0, 1.0) * f64::from(end - begin))
     };
     let bottom = i32::try_from(SIZE[1]).unwrap_or(0) - 16;
-    let pitch = ((bottom - TOP) / i32::try_from(scenes.len().max(1)).unwrap_or(1)).min(40);
-    for (speed, top) in scenes.iter().zip((0..).map(|place: i32| TOP + place * pitch)) {
+    let pitch = ((bottom - BARS_TOP) / i32::try_from(scenes.len().max(1)).unwrap_or(1)).min(40);
+    for (speed, top) in scenes.iter().zip((0..).map(|place: i32| BARS_TOP + place * pitch)) {
         let (middle, low) = (top + (pitch - 8) / 2, top + pitch - 8);
         let SceneSpeed { scene, threads, real_time_factor, meeting, .. } = speed;
         let name = if *threads > 1 { format!("{scene}, {threads} threads") } else { (*scene).to_owned() };
@@ -65,7 +65,7 @@ fn beside_real_time(area: &Area<'_>, scenes: &[SceneSpeed]) -> Drawn {
         area.draw(&Text::new(beside.join(", "), (far + 10, middle), left.clone()))?;
     }
     let at_real_time = across(1.0);
-    area.draw(&PathElement::new([(at_real_time, TOP - 10), (at_real_time, bottom)], BLACK.mix(0.5)))
+    area.draw(&PathElement::new([(at_real_time, BARS_TOP - 10), (at_real_time, bottom)], BLACK.mix(0.5)))
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a place in a picture")]

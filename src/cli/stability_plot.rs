@@ -12,12 +12,12 @@ use crate::report::stability::map::MapFigures;
 use crate::view::Colormap;
 
 /// The size of a map, pixels, and the number of maps in a row.
-const MAP: [u32; 2] = [560, 500];
-const COLUMNS: usize = 3;
+const MAP_SIZE: [u32; 2] = [560, 500];
+const MAPS_PER_ROW: usize = 3;
 
 /// The picture; without maps an empty one.
 pub(super) fn svg(maps: &[MapFigures]) -> Result<String> {
-    panels(maps, MAP, COLUMNS, plot)
+    panels(maps, MAP_SIZE, MAPS_PER_ROW, plot)
 }
 
 fn plot(area: &Area<'_>, map: &MapFigures) -> Drawn {

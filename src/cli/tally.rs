@@ -20,7 +20,7 @@ impl Tally {
     }
 
     /// Counts one more piece as done.
-    pub(super) fn one_more(&self) {
+    pub(super) fn increment(&self) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         self.bar.progress(done as f64 / self.all.max(1) as f64);
     }

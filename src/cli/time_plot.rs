@@ -9,7 +9,7 @@ use plotters::prelude::{BLACK, Color, DashedLineSeries, LineSeries, ShapeStyle};
 use super::plot::{Area, AxisWords, COLORS, Drawn, decades, legend, mesh, power};
 
 /// The axis of times goes this many times further than the slowest run, to make room for the legend.
-const FOR_LEGEND: f64 = 30.0;
+const LEGEND_ROOM_RATIO: f64 = 30.0;
 
 /// The content of a plot.
 pub(super) struct TimePlot {
@@ -53,11 +53,11 @@ pub(super) fn draw(area: &Area<'_>, plot: &TimePlot) -> Drawn {
         .margin(10)
         .x_label_area_size(42)
         .y_label_area_size(62)
-        .build_cartesian_2d((times.start..times.end * FOR_LEGEND).log_scale(), errors.log_scale())?;
+        .build_cartesian_2d((times.start..times.end * LEGEND_ROOM_RATIO).log_scale(), errors.log_scale())?;
     let across = AxisWords { name: format!("{}, s per simulated second", plot.time), number: &power };
     let up = AxisWords { name: "error, m (root mean square)".to_owned(), number: &power };
     mesh(&mut chart, &across, &up)?;
-    let ends = [(times.start, known), (times.end * FOR_LEGEND, known)];
+    let ends = [(times.start, known), (times.end * LEGEND_ROOM_RATIO, known)];
     chart
         .draw_series(DashedLineSeries::new(ends, 4, 4, BLACK.mix(0.6).stroke_width(1)))?
         .label("known no better")

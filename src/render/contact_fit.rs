@@ -7,11 +7,11 @@ use crate::math::Aabb;
 /// Texels along a side of the map.
 pub(super) const CONTACT_SIZE: u32 = 64;
 /// How far a contact shadow reaches, as a share of the size of the smallest thing that casts one.
-const REACH: f32 = 0.3;
+const REACH_SHARE: f32 = 0.3;
 /// Room left around the casters, as a multiple of the reach.
-const MARGIN: f32 = 2.0;
+const MARGIN_IN_REACHES: f32 = 2.0;
 /// The least reach, texels: a shorter one would show the texels as a row of squares.
-const LEAST_TEXELS: f32 = 2.0;
+const MIN_REACH_TEXELS: f32 = 2.0;
 
 /// The part of space that the map of contact shadows covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,8 +34,8 @@ impl ContactFit {
             return Self { origin: Vec3::ZERO, side: 1.0, height: 1.0, reach: 0.1 };
         }
         let wide = size.x.max(size.z).max(1e-6);
-        let reach = (REACH * smallest).max(LEAST_TEXELS * wide / CONTACT_SIZE as f32).max(1e-6);
-        let side = wide + 2.0 * MARGIN * reach;
+        let reach = (REACH_SHARE * smallest).max(MIN_REACH_TEXELS * wide / CONTACT_SIZE as f32).max(1e-6);
+        let side = wide + 2.0 * MARGIN_IN_REACHES * reach;
         let middle = casters.min + 0.5 * size;
         let origin = Vec3::new(middle.x - 0.5 * side, casters.min.y, middle.z - 0.5 * side);
         Self { origin, side, height: size.y.max(reach), reach }

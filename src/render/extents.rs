@@ -29,7 +29,7 @@ impl Extents {
             })
             .collect();
         let closed = draw_list.solids.iter().filter(|solid| !solid.is_plane());
-        let all = skins.iter().copied().filter(is_full).chain(closed.map(Solid::bounds));
+        let all = skins.iter().copied().filter(is_finite_box).chain(closed.map(Solid::bounds));
         let (core, smallest) = all.fold((Aabb::empty(), f32::INFINITY), |(core, smallest), one| {
             (core.joined(one), smallest.min(one.size().max_element()))
         });
@@ -38,7 +38,7 @@ impl Extents {
 }
 
 /// Whether a box is finite and not empty.
-pub(super) fn is_full(one: &Aabb<f32>) -> bool {
+pub(super) fn is_finite_box(one: &Aabb<f32>) -> bool {
     one.size().is_finite() && one.min.cmple(one.max).all()
 }
 

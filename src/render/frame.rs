@@ -12,11 +12,11 @@ use crate::math::Aabb;
 use crate::view::{DrawList, Solid};
 
 /// Radius of the ground of a scene without a floor, as a multiple of the distance from the eye to the target.
-const GROUND_DISTANCES: f32 = 3.5;
+const GROUND_RADIUS_RATIO: f32 = 3.5;
 
 /// The extents of the scene, and the fits of its shadow maps.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Lay {
+pub(super) struct SceneFit {
     pub(super) extents: Extents,
     /// The bounding box of everything that casts a shadow, m.
     casters: Aabb<f32>,
@@ -24,7 +24,7 @@ pub(super) struct Lay {
     pub(super) contact: ContactFit,
 }
 
-impl Lay {
+impl SceneFit {
     /// Fits the shadow maps to a draw list whose skins have the given extents.
     pub(super) fn new(draw_list: &DrawList, extents: Extents, quality: Quality) -> Self {
         let casters = shadow_fit::casters(draw_list, extents.core);
@@ -66,7 +66,7 @@ impl Lay {
         let grid = Grid::new(camera, height);
         layout::Frame {
             clip_from_world: camera.clip_from_world(width / height).to_cols_array_2d(),
-            shadow_from_world: self.shadow.place_from_world.to_cols_array_2d(),
+            shadow_from_world: self.shadow.shadow_from_world.to_cols_array_2d(),
             eye: camera.eye.to_array(),
             ambient: style.ambient,
             light_direction: shadow_fit::unit_direction(light.direction).to_array(),
@@ -84,7 +84,7 @@ impl Lay {
             plane_line: style.plane_line,
             plane_line_opacity: style.plane_line_opacity,
             camera_target: camera.target.to_array(),
-            ground_radius: GROUND_DISTANCES * camera.distance(),
+            ground_radius: GROUND_RADIUS_RATIO * camera.distance(),
             contact_origin: self.contact.origin.to_array(),
             contact_side: self.contact.side,
             contact_height: self.contact.height,

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::driver_words;
+use super::driver_messages;
 use super::error::GpuError;
 use super::quality::SAMPLES;
 use super::target::DEPTH_FORMAT;
@@ -66,7 +66,9 @@ impl Gpu {
         surface: Option<&wgpu::Surface<'_>>,
         preference: Preference,
     ) -> Result<Self, GpuError> {
-        let adapter = driver_words::sifted(|| pollster::block_on(choose(&instance, surface, preference)))?;
+        let adapter = driver_messages::with_filtered_messages(|| {
+            pollster::block_on(choose_adapter(&instance, surface, preference))
+        })?;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("gelatin"),
             required_limits: limits(&adapter.limits()),
@@ -74,7 +76,7 @@ impl Gpu {
         }))
         .map_err(|error| GpuError::NoDevice { adapter: adapter.get_info().name, reason: error.to_string() })?;
         let fault = Arc::new(Mutex::new(None));
-        watch(&device, &fault);
+        record_faults(&device, &fault);
         Ok(Self { instance, adapter, device, queue, fault })
     }
 
@@ -103,7 +105,7 @@ impl Gpu {
 }
 
 /// Keeps the first fault. Without a handler, wgpu would panic on errors.
-fn watch(device: &wgpu::Device, fault: &Arc<Mutex<Option<GpuError>>>) {
+fn record_faults(device: &wgpu::Device, fault: &Arc<Mutex<Option<GpuError>>>) {
     let keep = |fault: &Mutex<Option<GpuError>>, error: GpuError| {
         log::error!("{error}");
         let mut slot = fault.lock().unwrap_or_else(PoisonError::into_inner);
@@ -126,7 +128,7 @@ fn watch(device: &wgpu::Device, fault: &Arc<Mutex<Option<GpuError>>>) {
     });
 }
 
-async fn choose(
+async fn choose_adapter(
     instance: &wgpu::Instance,
     surface: Option<&wgpu::Surface<'_>>,
     preference: Preference,

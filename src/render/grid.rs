@@ -12,9 +12,9 @@ use crate::view::Camera;
 /// out.
 pub(super) const LEVELS: usize = 3;
 /// The strength of fine lines that have faded in fully, as a share of the strength of strong ones.
-const FINE: f32 = 0.4;
+const FINE_STRENGTH: f32 = 0.4;
 /// Distance of the eye, m, at which the lines of a metre are the strong ones and those of a decimetre have faded in fully.
-const DISTANCE: f32 = 3.0;
+const METRE_GRID_DISTANCE: f32 = 3.0;
 /// Width of a line at the point looked at, pixels.
 const WIDTH_PIXELS: f32 = 1.3;
 
@@ -33,13 +33,13 @@ impl Grid {
     /// The lines for a picture `height` pixels high.
     pub(super) fn new(camera: &Camera, height: f32) -> Self {
         let distance = camera.distance();
-        let decades = (distance / DISTANCE).log10();
+        let decades = (distance / METRE_GRID_DISTANCE).log10();
         let (whole, part) = (decades.floor(), decades - decades.floor());
-        let fading = FINE * (1.0 - part);
+        let fading = FINE_STRENGTH * (1.0 - part);
         Self {
             spacing: 10_f32.powf(whole - 1.0),
             width: WIDTH_PIXELS * 2.0 * (0.5 * camera.fov_rad).tan() * distance / height.max(1.0),
-            strengths: [fading, 1.0 + (FINE - 1.0) * part, 1.0],
+            strengths: [fading, 1.0 + (FINE_STRENGTH - 1.0) * part, 1.0],
         }
     }
 
@@ -69,10 +69,13 @@ mod tests {
         for (distance, spacing) in [(5.0, 1.0), (29.0, 1.0), (50.0, 10.0), (0.5, 0.1)] {
             let grid = seen_from(distance);
             assert!(
-                grid.strength(spacing) >= FINE && grid.strength(10.0 * spacing) > 0.99,
+                grid.strength(spacing) >= FINE_STRENGTH && grid.strength(10.0 * spacing) > 0.99,
                 "from {distance} m: {grid:?}"
             );
-            assert!(grid.strength(0.1 * spacing) <= FINE, "finer lines are fainter, from {distance} m: {grid:?}");
+            assert!(
+                grid.strength(0.1 * spacing) <= FINE_STRENGTH,
+                "finer lines are fainter, from {distance} m: {grid:?}"
+            );
         }
     }
 

@@ -129,7 +129,7 @@ pub struct BodyInstance {
 }
 
 /// The vertex input of `textured.wgsl` in addition to those of `mesh.wgsl`: the texture coordinates.
-pub const PLACE_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![6 => Float32x2];
+pub const TEXTURE_COORDINATE_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![6 => Float32x2];
 
 impl BodyInstance {
     /// The vertex inputs of `mesh.wgsl`.

@@ -10,7 +10,7 @@ use super::picture::FrameCounters;
 use crate::view::{DrawList, Skin, SkinTextures};
 
 /// The most vertices of a skin: every device takes 65 535 workgroups.
-const MOST_VERTICES: u32 = 65_535 * SKIN_WORKGROUP;
+const MAX_VERTICES: u32 = 65_535 * SKIN_WORKGROUP;
 
 /// Data on the device between frames.
 #[derive(Debug, Default)]
@@ -57,7 +57,7 @@ pub(super) struct SkinBuffers {
     /// Number of indices of triangles without a picture, which come first.
     pub(super) plain_index_count: u32,
     /// Texture coordinates of each vertex; none if the skin has no pictures.
-    pub(super) places: Option<wgpu::Buffer>,
+    pub(super) texture_coordinates: Option<wgpu::Buffer>,
     /// Number of vertices.
     pub(super) vertex_count: u32,
 }
@@ -162,7 +162,7 @@ impl SkinBuffers {
     ) -> Result<Self, RenderError> {
         let limit = storage_limit(device);
         let bytes = (skin.vertices().len() * size_of::<SkinVertex>()) as u64;
-        let most = u64::from(MOST_VERTICES) * size_of::<SkinVertex>() as u64;
+        let most = u64::from(MAX_VERTICES) * size_of::<SkinVertex>() as u64;
         let index_bytes = size_of_val(skin.triangles()) as u64;
         if bytes > limit.min(most) {
             return Err(RenderError::TooMuch { what: "vertices of a skin", bytes, limit: limit.min(most) });
@@ -183,8 +183,9 @@ impl SkinBuffers {
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let places = skin.textures().map(|textures| bytemuck::cast_slice(&textures.places));
-        counters.static_bytes += bytes + index_bytes + places.map_or(0, |places: &[u8]| places.len() as u64);
+        let texture_coordinates = skin.textures().map(|textures| bytemuck::cast_slice(&textures.places));
+        counters.static_bytes +=
+            bytes + index_bytes + texture_coordinates.map_or(0, |places: &[u8]| places.len() as u64);
         let plain = skin.textures().map_or(skin.triangles().len(), SkinTextures::plain_triangles);
         Ok(Self {
             source: Arc::clone(skin),
@@ -196,7 +197,8 @@ impl SkinBuffers {
             indices: uploaded("triangles", bytemuck::cast_slice(skin.triangles()), wgpu::BufferUsages::INDEX),
             index_count: count(skin.triangles().len() * 3),
             plain_index_count: count(plain * 3),
-            places: places.map(|places| uploaded("places in pictures", places, wgpu::BufferUsages::VERTEX)),
+            texture_coordinates: texture_coordinates
+                .map(|places| uploaded("places in pictures", places, wgpu::BufferUsages::VERTEX)),
             vertex_count: count(skin.vertices().len()),
         })
     }

@@ -25,7 +25,7 @@ pub mod target;
 mod buffer;
 mod contact_fit;
 mod device;
-mod driver_words;
+mod driver_messages;
 mod extents;
 mod frame;
 mod grid;

@@ -11,7 +11,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::extents::{corners, is_full};
+use super::extents::{corners, is_finite_box};
 use crate::math::Aabb;
 
 /// The part of the plane `center ± half_extents[0] axes[0] ± half_extents[1] axes[1]` that shadows of `casters` may fall on:
@@ -23,7 +23,7 @@ pub(super) fn shadowed_part(
     margin: f32,
 ) -> [Vec2; 2] {
     const WHOLE: [Vec2; 2] = [Vec2::NEG_ONE, Vec2::ONE];
-    if !is_full(&casters) {
+    if !is_finite_box(&casters) {
         return [Vec2::ZERO; 2];
     }
     let normal = axes[0].cross(axes[1]);

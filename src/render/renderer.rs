@@ -3,7 +3,7 @@
 use super::device::Device;
 use super::error::RenderError;
 use super::extents::Extents;
-use super::frame::Lay;
+use super::frame::SceneFit;
 use super::gpu::Gpu;
 use super::layout::DeformedVertex;
 use super::mesh_buffers::MeshBuffers;
@@ -38,7 +38,7 @@ pub struct Renderer {
     shadow: ShadowPass,
     contact_shadow: ContactShadowPass,
     /// The content of the shadow maps.
-    shaded: Option<(Lay, Vec<Solid>)>,
+    shadow_content: Option<(SceneFit, Vec<Solid>)>,
     solid: SolidPass,
     mesh: MeshPass,
     textured: TexturedPass,
@@ -72,7 +72,7 @@ impl Renderer {
             shared: Shared::new(device, queue, &frame_layout, &lighting_layout, maps),
             shadow,
             contact_shadow,
-            shaded: None,
+            shadow_content: None,
             meshes: MeshBuffers::default(),
             target: None,
         }
@@ -112,16 +112,16 @@ impl Renderer {
 
         self.shapes.update(device, queue, &draw_list.solids);
         let particles_of_skins = self.meshes.skins.iter().map(|skin| skin.particles.clone());
-        let lay = Lay::new(draw_list, Extents::new(particles_of_skins, draw_list), self.output.quality);
-        let (bodies, solids) = (lay.bodies(draw_list), lay.solids(draw_list));
-        let uniform = lay.uniform(draw_list, viewport);
+        let scene_fit = SceneFit::new(draw_list, Extents::new(particles_of_skins, draw_list), self.output.quality);
+        let (bodies, solids) = (scene_fit.bodies(draw_list), scene_fit.solids(draw_list));
+        let uniform = scene_fit.uniform(draw_list, viewport);
         counters.frame_bytes = self.shared.update(device, queue, &uniform, draw_list.colormap, &bodies, &solids);
 
         if deform {
             counters.passes.push("skin");
             self.skin.run(encoder, &self.meshes.skins);
         }
-        self.shade(encoder, draw_list, lay, deform, &mut counters);
+        self.draw_shadow_maps(encoder, draw_list, scene_fit, deform, &mut counters);
         let masked = Masked {
             skins: &self.meshes.skins,
             solids: &draw_list.solids,
@@ -136,16 +136,16 @@ impl Renderer {
     }
 
     /// Draws the shadow maps, unless their content is the same.
-    fn shade(
+    fn draw_shadow_maps(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         draw_list: &DrawList,
-        lay: Lay,
+        scene_fit: SceneFit,
         deformed: bool,
         counters: &mut FrameCounters,
     ) {
-        let same = |(old, solids): &(Lay, Vec<Solid>)| *old == lay && *solids == draw_list.solids;
-        if !deformed && self.shaded.as_ref().is_some_and(same) {
+        let same = |(old, solids): &(SceneFit, Vec<Solid>)| *old == scene_fit && *solids == draw_list.solids;
+        if !deformed && self.shadow_content.as_ref().is_some_and(same) {
             return;
         }
         let casters = Casters {
@@ -154,10 +154,10 @@ impl Renderer {
             instances: self.shared.solids(),
             shapes: &self.shapes,
         };
-        self.shadow.run(encoder, self.shared.frame(), casters, lay.extents.core);
+        self.shadow.run(encoder, self.shared.frame(), casters, scene_fit.extents.core);
         self.contact_shadow.run(encoder, self.shared.frame(), casters);
         counters.passes.extend(["shadow", "contact shadow"]);
-        self.shaded = Some((lay, draw_list.solids.clone()));
+        self.shadow_content = Some((scene_fit, draw_list.solids.clone()));
     }
 
     /// Reads the deformed vertices of the n-th skin of the last draw list back from the device; `None` if there is no such
@@ -205,7 +205,7 @@ impl Renderer {
         let see_through = draw_list.overlay.see_through.clamp(0.0, 1.0);
         if see_through <= 0.0 {
             let (skins, instances) = (&self.meshes.skins, self.shared.bodies());
-            self.mesh.draw(&mut pass, skins, self.textured.others(), instances);
+            self.mesh.draw(&mut pass, skins, self.textured.remaining_triangles(), instances);
             self.textured.draw(&mut pass, skins, instances);
             counters.passes.push("mesh");
             counters.passes.extend(self.textured.shows_any().then_some("textured"));
@@ -222,8 +222,14 @@ impl Renderer {
         if see_through > 0.0 {
             pass.set_bind_group(1, self.shared.lighting(), &[]);
             let (skins, instances) = (&self.meshes.skins, self.shared.bodies());
-            self.mesh.draw_sheer(&mut pass, skins, self.textured.others(), instances, 1.0 - see_through);
-            self.textured.draw_sheer(&mut pass, skins, instances);
+            self.mesh.draw_translucent(
+                &mut pass,
+                skins,
+                self.textured.remaining_triangles(),
+                instances,
+                1.0 - see_through,
+            );
+            self.textured.draw_translucent(&mut pass, skins, instances);
             counters.passes.push("mesh");
             counters.passes.extend(self.textured.shows_any().then_some("textured"));
         }

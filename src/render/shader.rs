@@ -6,7 +6,7 @@ const FRAME: &str = include_str!("../../shaders/frame.wgsl");
 const GRID: &str = include_str!("../../shaders/grid.wgsl");
 const LIGHTING: &str = include_str!("../../shaders/lighting.wgsl");
 const STROKE: &str = include_str!("../../shaders/stroke.wgsl");
-const JELLY: &str = include_str!("../../shaders/mesh.wgsl");
+const MESH_PART: &str = include_str!("../../shaders/mesh.wgsl");
 const LINE_SET: &str = include_str!("../../shaders/line_set.wgsl");
 
 /// A shader module.
@@ -29,10 +29,10 @@ pub const CONTACT_SHADOW: Shader =
 pub const SOLID: Shader =
     Shader { name: "solid", parts: &[FRAME, GRID, LIGHTING, include_str!("../../shaders/solid.wgsl")] };
 /// Jelly.
-pub const MESH: Shader = Shader { name: "mesh", parts: &[FRAME, LIGHTING, JELLY] };
+pub const MESH: Shader = Shader { name: "mesh", parts: &[FRAME, LIGHTING, MESH_PART] };
 /// Jelly with a picture on it.
 pub const TEXTURED: Shader =
-    Shader { name: "textured", parts: &[FRAME, LIGHTING, JELLY, include_str!("../../shaders/textured.wgsl")] };
+    Shader { name: "textured", parts: &[FRAME, LIGHTING, MESH_PART, include_str!("../../shaders/textured.wgsl")] };
 /// The gradient behind everything.
 pub const BACKGROUND: Shader =
     Shader { name: "background", parts: &[FRAME, include_str!("../../shaders/background.wgsl")] };

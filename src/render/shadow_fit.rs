@@ -2,20 +2,20 @@
 
 use glam::{Mat4, Vec3};
 
-use super::extents::{corners, is_full};
+use super::extents::{corners, is_finite_box};
 use crate::math::Aabb;
 use crate::view::{DrawList, Solid};
 
 /// Texels left free around the casters, so that blurred shadows end inside the map.
 const BORDER_TEXELS: f32 = 4.0;
 /// A plane that would widen the map to more than this many times the rest casts no shadow, which would be a blur.
-const WIDEST_PLANE: f32 = 12.0;
+const MAX_WIDENING_BY_PLANE: f32 = 12.0;
 
 /// The part of space that the shadow map covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ShadowFit {
     /// World to texture coordinates (x, y) and depth (z), all 0..1.
-    pub(super) place_from_world: Mat4,
+    pub(super) shadow_from_world: Mat4,
     /// The size of a texel, m.
     pub(super) texel: f32,
     /// The distance that depth spans, m.
@@ -23,21 +23,21 @@ pub(super) struct ShadowFit {
 }
 
 /// Whether an obstacle is drawn into the shadow map.
-pub(super) fn casts(solid: &Solid, others: Aabb<f32>) -> bool {
-    let is_narrow = || solid.bounds().size().length() < WIDEST_PLANE * others.size().length();
+pub(super) fn casts_shadow(solid: &Solid, others: Aabb<f32>) -> bool {
+    let is_narrow = || solid.bounds().size().length() < MAX_WIDENING_BY_PLANE * others.size().length();
     !solid.is_plane() || !solid.is_floor() && is_narrow()
 }
 
 /// The bounding box of everything that casts a shadow, m; `core` is that of bodies and closed obstacles.
 pub(super) fn casters(draw_list: &DrawList, core: Aabb<f32>) -> Aabb<f32> {
-    let casting = draw_list.solids.iter().filter(|solid| casts(solid, core));
+    let casting = draw_list.solids.iter().filter(|solid| casts_shadow(solid, core));
     casting.fold(core, |bounds, solid| bounds.joined(solid.bounds()))
 }
 
 /// Fits the map to everything that casts a shadow, along the light; to a unit box if nothing does. The map has `size` texels
 /// a side.
 pub(super) fn fit(casters: Aabb<f32>, light: Vec3, size: u32) -> ShadowFit {
-    let bounds = if is_full(&casters) { casters } else { Aabb { min: Vec3::ZERO, max: Vec3::ONE } };
+    let bounds = if is_finite_box(&casters) { casters } else { Aabb { min: Vec3::ZERO, max: Vec3::ONE } };
     let right = light.any_orthonormal_vector();
     let up = light.cross(right);
     let mut min = Vec3::INFINITY;
@@ -58,8 +58,8 @@ pub(super) fn fit(casters: Aabb<f32>, light: Vec3, size: u32) -> ShadowFit {
         (-light / span).extend((border - min.z) / span),
         glam::Vec4::W,
     ];
-    let place_from_world = Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
-    ShadowFit { place_from_world, texel, span }
+    let shadow_from_world = Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
+    ShadowFit { shadow_from_world, texel, span }
 }
 
 /// A direction scaled to unit length; straight up if it has no length.
@@ -77,7 +77,7 @@ mod tests {
         for direction in [Vec3::Y, Vec3::new(0.4, 1.0, -0.6), Vec3::new(-1.0, 0.01, 0.0), Vec3::ZERO] {
             let fit = fit(casters, unit_direction(direction), 512);
             for point in corners(casters) {
-                let place = fit.place_from_world.transform_point3(point);
+                let place = fit.shadow_from_world.transform_point3(point);
                 assert!(place.min_element() > 0.0 && place.max_element() < 1.0, "{point:?} lands at {place}");
             }
             assert!(fit.texel * 512.0 < 6.0, "no larger than the diagonal needs");
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn nothing_to_shade_still_gives_a_usable_map() {
         let fit = fit(casters(&DrawList::default(), Aabb::empty()), Vec3::Y, 512);
-        assert!(fit.place_from_world.is_finite() && fit.texel > 0.0, "an empty scene has a finite map");
+        assert!(fit.shadow_from_world.is_finite() && fit.texel > 0.0, "an empty scene has a finite map");
     }
 
     #[test]
@@ -98,8 +98,8 @@ mod tests {
             axes: [Vec3::new(tilt.cos(), tilt.sin(), 0.0), Vec3::NEG_Z],
             half_extents: [half, half],
         };
-        assert!(!casts(&plane(0.0, 2.0), core), "a floor");
-        assert!(casts(&plane(0.3, 2.0), core), "an incline");
-        assert!(!casts(&plane(0.3, 2000.0), core), "an endless incline");
+        assert!(!casts_shadow(&plane(0.0, 2.0), core), "a floor");
+        assert!(casts_shadow(&plane(0.3, 2.0), core), "an incline");
+        assert!(!casts_shadow(&plane(0.3, 2000.0), core), "an endless incline");
     }
 }

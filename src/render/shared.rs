@@ -10,10 +10,10 @@ pub(super) struct Shared {
     uniform: wgpu::Buffer,
     frame: wgpu::BindGroup,
     lighting: wgpu::BindGroup,
-    table: wgpu::Texture,
-    table_holds: Option<Colormap>,
-    bodies: Instances,
-    solids: Instances,
+    color_table: wgpu::Texture,
+    table_colormap: Option<Colormap>,
+    bodies: InstanceBuffer,
+    solids: InstanceBuffer,
 }
 
 impl Shared {
@@ -88,7 +88,7 @@ impl Shared {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let table = table_texture(device);
+        let color_table = table_texture(device);
         let lighting = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("lighting"),
             layout: lighting_layout,
@@ -98,7 +98,7 @@ impl Shared {
                 wgpu::BindGroupEntry {
                     binding: 2,
                     resource: wgpu::BindingResource::TextureView(
-                        &table.create_view(&wgpu::TextureViewDescriptor::default()),
+                        &color_table.create_view(&wgpu::TextureViewDescriptor::default()),
                     ),
                 },
                 wgpu::BindGroupEntry { binding: 3, resource: wgpu::BindingResource::TextureView(contact_map) },
@@ -109,10 +109,10 @@ impl Shared {
             uniform,
             frame,
             lighting,
-            table,
-            table_holds: None,
-            bodies: Instances::new(device, "bodies"),
-            solids: Instances::new(device, "solids"),
+            color_table,
+            table_colormap: None,
+            bodies: InstanceBuffer::new(device, "bodies"),
+            solids: InstanceBuffer::new(device, "solids"),
         };
         shared.fill_table(queue, Colormap::default());
         shared
@@ -129,7 +129,7 @@ impl Shared {
         solids: &[SolidInstance],
     ) -> u64 {
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(uniform));
-        if self.table_holds != Some(colormap) {
+        if self.table_colormap != Some(colormap) {
             self.fill_table(queue, colormap);
         }
         size_of::<layout::Frame>() as u64
@@ -158,12 +158,12 @@ impl Shared {
     fn fill_table(&mut self, queue: &wgpu::Queue, colormap: Colormap) {
         let texels: Vec<u8> = colormap.table().iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
         queue.write_texture(
-            self.table.as_image_copy(),
+            self.color_table.as_image_copy(),
             &texels,
             wgpu::TexelCopyBufferLayout::default(),
-            self.table.size(),
+            self.color_table.size(),
         );
-        self.table_holds = Some(colormap);
+        self.table_colormap = Some(colormap);
     }
 }
 
@@ -182,22 +182,22 @@ fn table_texture(device: &wgpu::Device) -> wgpu::Texture {
 
 /// A buffer that is rewritten when its content changes.
 #[derive(Debug)]
-struct Instances {
+struct InstanceBuffer {
     label: &'static str,
     buffer: wgpu::Buffer,
-    holds: Vec<u8>,
+    content: Vec<u8>,
 }
 
-impl Instances {
+impl InstanceBuffer {
     /// The least size of a buffer, bytes.
-    const LEAST: u64 = 256;
+    const MIN_SIZE: u64 = 256;
 
     fn new(device: &wgpu::Device, label: &'static str) -> Self {
-        Self { label, buffer: Self::buffer(device, label, Self::LEAST), holds: Vec::new() }
+        Self { label, buffer: Self::buffer(device, label, Self::MIN_SIZE), content: Vec::new() }
     }
 
     fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8]) -> u64 {
-        if self.holds == bytes {
+        if self.content == bytes {
             return 0;
         }
         let size = bytes.len() as u64;
@@ -205,7 +205,7 @@ impl Instances {
             self.buffer = Self::buffer(device, self.label, size.next_power_of_two());
         }
         queue.write_buffer(&self.buffer, 0, bytes);
-        bytes.clone_into(&mut self.holds);
+        bytes.clone_into(&mut self.content);
         size
     }
 

@@ -84,7 +84,7 @@ fn is_same(a: &Texture, b: &Texture) -> bool {
 
 /// Uploads a picture, without levels too fine for the device.
 fn upload(Device { device, queue }: Device<'_>, picture: &Picture, bytes_counted: &mut u64) -> wgpu::TextureView {
-    let levels = fitting(picture, device.limits().max_texture_dimension_2d);
+    let levels = levels_that_fit(picture, device.limits().max_texture_dimension_2d);
     let extent =
         |level: &Level| wgpu::Extent3d { width: level.size[0], height: level.size[1], depth_or_array_layers: 1 };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -107,7 +107,7 @@ fn upload(Device { device, queue }: Device<'_>, picture: &Picture, bytes_counted
 }
 
 /// The levels of a picture with at most `longest` texels a side.
-fn fitting(picture: &Picture, longest: u32) -> &[Level] {
+fn levels_that_fit(picture: &Picture, longest: u32) -> &[Level] {
     let levels = picture.levels();
     let first = levels.iter().position(|level| level.size.into_iter().all(|side| side <= longest));
     &levels[first.unwrap_or(levels.len() - 1)..]
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn what_is_finer_than_the_device_takes_is_left_out() {
         let picture = Picture::new([64, 8], vec![255; 64 * 8 * 4], 64).expect("texels");
-        let finest = |longest| fitting(&picture, longest)[0].size;
+        let finest = |longest| levels_that_fit(&picture, longest)[0].size;
         assert_eq!([64, 63, 16, 1, 0].map(finest), [[64, 8], [32, 4], [16, 2], [1, 1], [1, 1]]);
     }
 }

@@ -72,7 +72,7 @@ pub(super) struct StyleUniforms {
 
 #[derive(Debug)]
 struct StyleUniform {
-    holds: Vec<u8>,
+    written: Vec<u8>,
     uniform: wgpu::Buffer,
     positions: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
@@ -113,10 +113,10 @@ impl StyleUniforms {
         bytes_counted: &mut u64,
     ) {
         let uniform = match self.styles.get(index) {
-            Some(look) if look.holds == content && look.positions == *positions => return,
-            Some(look) if look.holds.len() == content.len() => {
-                queue.write_buffer(&look.uniform, 0, content);
-                look.uniform.clone()
+            Some(style) if style.written == content && style.positions == *positions => return,
+            Some(style) if style.written.len() == content.len() => {
+                queue.write_buffer(&style.uniform, 0, content);
+                style.uniform.clone()
             }
             _ => filled(device, queue, "look", content, wgpu::BufferUsages::UNIFORM),
         };
@@ -129,10 +129,10 @@ impl StyleUniforms {
                 wgpu::BindGroupEntry { binding: 1, resource: positions.as_entire_binding() },
             ],
         });
-        let look = StyleUniform { holds: content.to_vec(), uniform, positions: positions.clone(), bind_group };
+        let style = StyleUniform { written: content.to_vec(), uniform, positions: positions.clone(), bind_group };
         match self.styles.get_mut(index) {
-            Some(old) => *old = look,
-            None => self.styles.push(look),
+            Some(old) => *old = style,
+            None => self.styles.push(style),
         }
     }
 
@@ -143,6 +143,6 @@ impl StyleUniforms {
 
     /// The bind group of the n-th style, if it has been set.
     pub(super) fn get(&self, index: usize) -> Option<&wgpu::BindGroup> {
-        self.styles.get(index).map(|look| &look.bind_group)
+        self.styles.get(index).map(|style| &style.bind_group)
     }
 }

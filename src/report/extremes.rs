@@ -6,8 +6,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::disturb::{self, Disturbance};
-use super::draw::Draw;
 use super::judge::Patience;
+use super::random_source::RandomSource;
 use crate::geometry::Lattice;
 use crate::math::rng::Rng;
 use crate::scene::body::{Body, CellsShape, CubeShape, Inlay, ModelShape, PinBox, Pose};
@@ -18,19 +18,19 @@ use crate::scene::settings::{EARTH_GRAVITY, Integrator};
 use crate::scene::{ContactOn, Obstacle, ObstacleShape, Scene, Shape, builtin};
 
 /// The share of single bodies made of two solids, and later of first bodies of springs made of two springs.
-const INLAID: f64 = 0.15;
+const INLAID_SHARE: f64 = 0.15;
 
 /// The share of scenes whose body is pinned, from its top down or from one side.
-const HELD: f64 = 0.2;
+const PINNED_SHARE: f64 = 0.2;
 
 /// The share of scenes whose bodies meet each other; in the others they pass through each other.
-const MEETING: f64 = 0.8;
+const BODY_CONTACT_SHARE: f64 = 0.8;
 
 /// The share of scenes whose models meet other bodies with their mesh.
-const ON_MESH: f64 = 0.5;
+const MESH_CONTACT_SHARE: f64 = 0.5;
 
 /// The largest ratio of masses between two bodies, and between the two materials of a body.
-const MASS_RATIO: f64 = 1000.0;
+const MAX_MASS_RATIO: f64 = 1000.0;
 
 /// The carried models that scenes are made of. Adding a model would change the scenes of every seed.
 const MODELS: [&str; 5] = ["bowl.obj", "comb.obj", "coupler.obj", "spot.obj", "tree.obj"];
@@ -69,39 +69,40 @@ pub fn extreme(seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
 pub fn extreme_of(edition: Edition, seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
     // The generator mixes the seed, so that the sequences of neighbouring numbers are not one sequence shifted.
     let mut seeds = Rng::new(seed ^ number.wrapping_mul(0xd134_2543_de82_ef95));
-    let mut draw = Draw(Rng::new(seeds.next_u64()));
-    let size = draw.decades(-3.0, 3.0);
-    let (shape, cell_size) = draw.shape(size);
-    let springs = draw.springs(cell_size);
-    let body = draw.body(shape, springs, size);
-    let mut scene = Scene { bodies: vec![body], obstacles: draw.obstacles(size), ..Scene::default() };
-    if draw.chance(0.2) {
-        let other = draw.heavier_or_lighter(&scene.bodies[0], springs);
+    let mut random = RandomSource(Rng::new(seeds.next_u64()));
+    let size = random.log_uniform(-3.0, 3.0);
+    let (shape, cell_size) = random.shape(size);
+    let springs = random.springs(cell_size);
+    let body = random.body(shape, springs, size);
+    let mut scene = Scene { bodies: vec![body], obstacles: random.obstacles(size), ..Scene::default() };
+    if random.chance(0.2) {
+        let other = random.heavier_or_lighter(&scene.bodies[0], springs);
         scene.bodies.push(other);
     }
-    scene.settings.dt = draw.decades(-4.0, -1.0);
-    scene.settings.inversion_recovery = draw.chance(0.8);
+    scene.settings.dt = random.log_uniform(-4.0, -1.0);
+    scene.settings.inversion_recovery = random.chance(0.8);
     scene.settings.integrator =
-        if draw.chance(0.6) { Integrator::SemiImplicit } else { draw.one_of(&Integrator::LIMITED) };
-    let strength = if draw.chance(0.5) { draw.one_of(&[0.0, EARTH_GRAVITY, 1000.0]) } else { draw.decades(-3.0, 3.0) };
+        if random.chance(0.6) { Integrator::SemiImplicit } else { random.one_of(&Integrator::LIMITED) };
+    let strength =
+        if random.chance(0.5) { random.one_of(&[0.0, EARTH_GRAVITY, 1000.0]) } else { random.log_uniform(-3.0, 3.0) };
     scene.settings.gravity =
-        if draw.chance(0.8) { [0.0, -strength, 0.0] } else { draw.direction().map(|x| x * strength) };
+        if random.chance(0.8) { [0.0, -strength, 0.0] } else { random.direction().map(|x| x * strength) };
     // Each feature below has its own draws, so that scenes without it stay the same.
-    let mut more = Draw(Rng::new(seeds.next_u64()));
-    if scene.bodies.len() == 1 && more.chance(INLAID) {
-        let step = more.decades(-4.3, -1.5);
+    let mut more = RandomSource(Rng::new(seeds.next_u64()));
+    if scene.bodies.len() == 1 && more.chance(INLAID_SHARE) {
+        let step = more.log_uniform(-4.3, -1.5);
         more.inlay(&mut scene.bodies[0], cell_size, size, step);
     }
-    let mut last = Draw(Rng::new(seeds.next_u64()));
-    last.hold(&mut scene, size);
-    scene.settings.body_contact = Draw(Rng::new(seeds.next_u64())).chance(MEETING);
+    let mut last = RandomSource(Rng::new(seeds.next_u64()));
+    last.add_pins_and_bodies(&mut scene, size);
+    scene.settings.body_contact = RandomSource(Rng::new(seeds.next_u64())).chance(BODY_CONTACT_SHARE);
     if edition != Edition::First {
-        Draw(Rng::new(seeds.next_u64())).closed_forms(&mut scene, size);
+        RandomSource(Rng::new(seeds.next_u64())).closed_forms(&mut scene, size);
     }
     if matches!(edition, Edition::Third | Edition::Fourth) {
-        Draw(Rng::new(seeds.next_u64())).other_springs(&mut scene, cell_size, size);
+        RandomSource(Rng::new(seeds.next_u64())).other_springs(&mut scene, cell_size, size);
     }
-    if edition == Edition::Fourth && Draw(Rng::new(seeds.next_u64())).chance(ON_MESH) {
+    if edition == Edition::Fourth && RandomSource(Rng::new(seeds.next_u64())).chance(MESH_CONTACT_SHARE) {
         let models = scene.bodies.iter_mut().filter(|body| matches!(body.shape, Shape::Model(_)));
         models.for_each(|body| body.contact_on = ContactOn::Mesh);
     }
@@ -115,24 +116,24 @@ pub fn lattices(scene: &Scene) -> Result<Vec<Arc<Lattice>>, ResolveError> {
     resolved.collect()
 }
 
-impl Draw {
+impl RandomSource {
     /// A body about `size` (m) large that falls, flies, or starts inside obstacles.
     fn body(&mut self, shape: Shape, springs: Springs, size: f64) -> Body {
         let material = Material::Springs(springs);
         let rotation_deg = self.vector(180.0);
         let mut body =
             Body { shape, material, pose: Pose { position: [0.0, size, 0.0], rotation_deg }, ..Body::default() };
-        match self.whole(0, 3) {
+        match self.integer(0, 3) {
             0 => body.pose.position = [self.between(-0.5, 0.5) * size, 1000.0, 0.0],
             1 => {
-                let speed = if self.chance(0.5) { 999.0 } else { self.decades(0.0, 2.9) };
+                let speed = if self.chance(0.5) { 999.0 } else { self.log_uniform(0.0, 2.9) };
                 body.velocity = self.direction().map(|x| x * speed);
                 if self.chance(0.7) {
                     body.velocity[1] = -body.velocity[1].abs();
                 }
             }
             2 => body.pose.position = self.vector(0.7 * size),
-            _ => body.velocity = [0.0, -self.decades(-1.0, 1.5), 0.0],
+            _ => body.velocity = [0.0, -self.log_uniform(-1.0, 1.5), 0.0],
         }
         body
     }
@@ -141,7 +142,7 @@ impl Draw {
     fn shape(&mut self, size: f64) -> (Shape, f64) {
         let kind = self.between(0.0, 1.0);
         if kind < 0.55 {
-            let cells = self.whole(1, 4);
+            let cells = self.integer(1, 4);
             return (Shape::Cube(CubeShape { cells: cells.unsigned_abs(), size }), size / f64::from(cells));
         }
         if kind < 0.85 {
@@ -149,7 +150,7 @@ impl Draw {
             let cell_size = (size / 3.0).max(1e-3);
             return (Shape::Cells(CellsShape { list, size: cell_size }), cell_size);
         }
-        let divisions = self.whole(2, 6);
+        let divisions = self.integer(2, 6);
         let path = format!("{}{}", builtin::PREFIX, self.one_of(&MODELS));
         let length = size.max(1e-2);
         let model = ModelShape { path, divisions: divisions.unsigned_abs(), length, ..ModelShape::default() };
@@ -158,12 +159,12 @@ impl Draw {
 
     /// Some cells of a 3 × 3 × 3 cube, a thin bar or a thin plate.
     fn cells(&mut self) -> Vec<[i32; 3]> {
-        match self.whole(0, 3) {
-            0 => (0..self.whole(3, 12)).map(|x| [x, 0, 0]).collect(),
+        match self.integer(0, 3) {
+            0 => (0..self.integer(3, 12)).map(|x| [x, 0, 0]).collect(),
             1 => (0..4).flat_map(|x| (0..4).map(move |z| [x, 0, z])).collect(),
             _ => {
                 let mut list = vec![[1; 3]];
-                list.extend((0..14).map(|_| [0; 3].map(|_| self.whole(0, 2))));
+                list.extend((0..14).map(|_| [0; 3].map(|_| self.integer(0, 2))));
                 list
             }
         }
@@ -172,16 +173,16 @@ impl Draw {
     /// Draws constants over all their decades. Nine materials in ten are kept soft enough for a stable step of some tens of
     /// microseconds or more, as two seconds of the others would take too long.
     fn springs(&mut self, cell_size: f64) -> Springs {
-        let particle_mass = self.decades(-6.0, 3.0);
+        let particle_mass = self.log_uniform(-6.0, 3.0);
         let (stiffest, most_damping) = if self.chance(0.1) {
             (1e8, 1e5)
         } else {
-            let step = self.decades(-4.3, -0.5);
+            let step = self.log_uniform(-4.3, -0.5);
             (particle_mass * cell_size / (step * step), particle_mass * cell_size / step)
         };
         let [structural, shear, bending] = [0; 3].map(|_| Spring {
-            stiffness: if self.chance(0.1) { 0.0 } else { (stiffest * self.decades(-4.0, 0.0)).min(1e8) },
-            damping: if self.chance(0.4) { 0.0 } else { (most_damping * self.decades(-6.0, 0.0)).min(1e5) },
+            stiffness: if self.chance(0.1) { 0.0 } else { (stiffest * self.log_uniform(-4.0, 0.0)).min(1e8) },
+            damping: if self.chance(0.4) { 0.0 } else { (most_damping * self.log_uniform(-6.0, 0.0)).min(1e5) },
         });
         Springs { structural, shear, bending, particle_mass }
     }
@@ -191,16 +192,16 @@ impl Draw {
     fn inlay(&mut self, body: &mut Body, cell_size: f64, size: f64, step: f64) {
         let mut solid = |density: f64, lighter: f64| {
             let speed = cell_size / step;
-            let softer = if self.chance(0.5) { 1.0 / MASS_RATIO } else { 1.0 };
+            let softer = if self.chance(0.5) { 1.0 / MAX_MASS_RATIO } else { 1.0 };
             Solid {
                 young_modulus: (density * speed * speed * lighter * softer).clamp(1.0, 1e10),
                 density,
-                damping_ratio: if self.chance(0.4) { 0.0 } else { self.decades(-4.0, -1.0) },
+                damping_ratio: if self.chance(0.4) { 0.0 } else { self.log_uniform(-4.0, -1.0) },
                 ..Solid::DEFAULT
             }
         };
         let heavy = if body.velocity[1] < 0.0 { 1e4 } else { 1e2 };
-        let [first, second] = [solid(heavy, 1.0 / MASS_RATIO), solid(heavy / MASS_RATIO, 1.0)];
+        let [first, second] = [solid(heavy, 1.0 / MAX_MASS_RATIO), solid(heavy / MAX_MASS_RATIO, 1.0)];
         let (outside, inside) = if self.chance(0.5) { (first, second) } else { (second, first) };
         body.material = Material::Solid(outside);
         // This covers about half of the body.
@@ -216,23 +217,24 @@ impl Draw {
     /// In some scenes, makes about half of the first body of other springs, up to a thousand times as heavy or light.
     fn other_springs(&mut self, scene: &mut Scene, cell_size: f64, size: f64) {
         let Some(Material::Springs(own)) = scene.bodies.first().map(|body| body.material.clone()) else { return };
-        if !self.chance(INLAID) {
+        if !self.chance(INLAID_SHARE) {
             return;
         }
         let mut springs = self.springs(cell_size);
         let mass = own.particle_mass;
-        springs.particle_mass = springs.particle_mass.clamp(mass / MASS_RATIO, mass * MASS_RATIO).clamp(1e-6, 1e3);
+        springs.particle_mass =
+            springs.particle_mass.clamp(mass / MAX_MASS_RATIO, mass * MAX_MASS_RATIO).clamp(1e-6, 1e3);
         let end = self.between(-0.2, 0.2) * size;
         let far = 10.0 * size;
         scene.bodies[0].inlays = vec![Inlay { min: [-far; 3], max: [end, far, far], springs, ..Inlay::default() }];
     }
 
     fn obstacles(&mut self, size: f64) -> Vec<Obstacle> {
-        let ground = Plane { half_extents: [self.decades(0.0, 1.0) * size; 2], ..Plane::default() };
+        let ground = Plane { half_extents: [self.log_uniform(0.0, 1.0) * size; 2], ..Plane::default() };
         let mut obstacles = vec![self.obstacle(ObstacleShape::Plane(ground))];
         if self.chance(0.7) {
             let center = self.vector(0.5 * size);
-            let radius = (self.decades(-1.5, 0.7) * size).clamp(1e-3, 1e4);
+            let radius = (self.log_uniform(-1.5, 0.7) * size).clamp(1e-3, 1e4);
             let sphere = ObstacleShape::Sphere(Sphere { center, radius });
             obstacles.push(self.obstacle(sphere));
         }
@@ -250,10 +252,10 @@ impl Draw {
         if self.chance(0.5) {
             scene.obstacles.retain(|obstacle| !matches!(obstacle.shape, ObstacleShape::Sphere(_)));
         }
-        for _ in 0..self.whole(0, 2) {
+        for _ in 0..self.integer(0, 2) {
             let (center, rotation_deg) = (self.vector(0.5 * size), self.vector(180.0));
-            let [a, b, c] = [0; 3].map(|_| (self.decades(-1.5, 0.5) * size).clamp(1e-3, 1e4));
-            let shape = match self.whole(0, 2) {
+            let [a, b, c] = [0; 3].map(|_| (self.log_uniform(-1.5, 0.5) * size).clamp(1e-3, 1e4));
+            let shape = match self.integer(0, 2) {
                 0 => ObstacleShape::Box(Cuboid { center, rotation_deg, half_extents: [a, b, c] }),
                 1 => ObstacleShape::Capsule(Capsule { center, rotation_deg, radius: a, half_height: b }),
                 _ => ObstacleShape::Cylinder(Cylinder { center, rotation_deg, radius: a, half_height: b }),
@@ -263,24 +265,24 @@ impl Draw {
     }
 
     fn obstacle(&mut self, shape: ObstacleShape) -> Obstacle {
-        let stiffness = match self.whole(0, 4) {
-            0 => ContactStiffness::Given(self.decades(-2.0, 9.0)),
+        let stiffness = match self.integer(0, 4) {
+            0 => ContactStiffness::Given(self.log_uniform(-2.0, 9.0)),
             _ => ContactStiffness::Auto,
         };
         let [friction_static, friction_dynamic] =
-            [0; 2].map(|_| if self.chance(0.3) { 0.0 } else { self.decades(-2.0, 1.0) });
+            [0; 2].map(|_| if self.chance(0.3) { 0.0 } else { self.log_uniform(-2.0, 1.0) });
         Obstacle { shape, stiffness, friction_static, friction_dynamic, ..Obstacle::default() }
     }
 
     /// Hangs the first body of some scenes, puts more bodies into some, and keeps some to their own integrator.
-    fn hold(&mut self, scene: &mut Scene, size: f64) {
-        if self.chance(HELD) {
+    fn add_pins_and_bodies(&mut self, scene: &mut Scene, size: f64) {
+        if self.chance(PINNED_SHARE) {
             let mut min = [-10.0 * size; 3];
             min[usize::from(self.chance(0.5))] = self.between(-0.3, 0.4) * size;
             scene.bodies[0].pins = vec![PinBox { min, max: [10.0 * size; 3] }];
         }
         if scene.bodies.len() == 2 && self.chance(0.5) {
-            for _ in 0..self.whole(1, 3) {
+            for _ in 0..self.integer(1, 3) {
                 let mut other = scene.bodies[usize::from(self.chance(0.5))].clone();
                 let away = self.vector(2.0 * size);
                 other.pose.position.iter_mut().zip(away).for_each(|(at, away)| *at += away);
@@ -292,7 +294,8 @@ impl Draw {
 
     /// A copy of the body beside it, with a thousand times or a thousandth of its mass.
     fn heavier_or_lighter(&mut self, body: &Body, springs: Springs) -> Body {
-        let heavier = springs.particle_mass * if springs.particle_mass < 1.0 { MASS_RATIO } else { 1.0 / MASS_RATIO };
+        let heavier =
+            springs.particle_mass * if springs.particle_mass < 1.0 { MAX_MASS_RATIO } else { 1.0 / MAX_MASS_RATIO };
         let material = Material::Springs(Springs { particle_mass: heavier.clamp(1e-6, 1e3), ..springs });
         let mut other = Body { material, ..body.clone() };
         other.pose.position[2] += self.between(-0.5, 0.5);
@@ -303,7 +306,7 @@ impl Draw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::disturb::What;
+    use crate::report::disturb::DisturbanceKind;
     use crate::scene::param;
 
     #[test]
@@ -313,7 +316,7 @@ mod tests {
             assert_eq!(param::validate(&scene), [], "scene {number}");
             assert_eq!(extreme(3, number), extreme(3, number), "scene {number}");
             for disturbance in extreme(3, number).1 {
-                if let What::Obstacles { scene, .. } = disturbance.what {
+                if let DisturbanceKind::Obstacles { scene, .. } = disturbance.kind {
                     assert_eq!(param::validate(&scene), [], "scene {number} after {} s", disturbance.at_secs);
                 }
             }

@@ -4,13 +4,13 @@
 
 pub mod cost;
 pub mod disturb;
-mod draw;
 pub mod error;
 pub mod extremes;
 pub mod judge;
 pub mod matrix;
 #[cfg(any(test, feature = "peers"))]
 pub mod peers;
+mod random_source;
 pub mod single;
 pub mod speed;
 pub mod stability;

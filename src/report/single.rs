@@ -1,11 +1,11 @@
-//! One random scene told look by look: how its energy developed, and what disturbed it on the way.
+//! One random scene told sample by sample: how its energy developed, and what disturbed it on the way.
 
 use std::fmt::Write;
 
 use serde::Serialize;
 
 use super::extremes::{extreme, lattices, patience};
-use super::judge::{EnergySample, Seen, Verdict, judge_disturbed, judge_followed};
+use super::judge::{EnergySample, JudgeEvent, Verdict, judge_disturbed, judge_with_events};
 use crate::scene::Scene;
 use crate::scene::file::SceneFileError;
 use crate::scene::resolve::ResolveError;
@@ -27,7 +27,7 @@ pub struct SceneAccount {
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Event {
-    /// A look at a body.
+    /// A sample of a body.
     Look(EnergySample),
     /// A disturbance of the scene.
     Disturbed {
@@ -48,17 +48,18 @@ pub fn account(seed: u64, number: u64, quick: bool) -> Result<SceneAccount, Reso
     let (scene, disturbances) = extreme(seed, number);
     let lattices = lattices(&scene)?;
     let mut events = Vec::new();
-    let verdict =
-        judge_followed::<f32>(&scene, &disturbances, &lattices, patience(quick), |seen| events.push(event(seen)));
+    let verdict = judge_with_events::<f32>(&scene, &disturbances, &lattices, patience(quick), |judged| {
+        events.push(event(judged));
+    });
     let in_double = || judge_disturbed::<f64>(&scene, &disturbances, &lattices, patience(quick));
     let in_double = verdict.fault.map(|_| in_double());
     Ok(SceneAccount { seed, number, bodies: scene.bodies.len(), events, verdict, in_double })
 }
 
-fn event(seen: Seen<'_>) -> Event {
-    match seen {
-        Seen::Look(look) => Event::Look(look.clone()),
-        Seen::Disturbed(disturbance, work) => {
+fn event(judged: JudgeEvent<'_>) -> Event {
+    match judged {
+        JudgeEvent::Sample(sample) => Event::Look(sample.clone()),
+        JudgeEvent::Disturbed(disturbance, work) => {
             Event::Disturbed { time_secs: disturbance.at_secs, words: disturbance.words(), work }
         }
     }

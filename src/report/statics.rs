@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::physics::BodyModel;
 
 /// The most steps of the conjugate gradients.
-const MOST_STEPS: usize = 20_000;
+const MAX_ITERATIONS: usize = 20_000;
 
 /// A body's links, linearised about its start, in double precision.
 #[derive(Clone, Debug)]
@@ -43,7 +43,7 @@ impl Linear {
     }
 
     /// Holds the axes for which `held` is one, at the particles chosen by `chosen`.
-    pub fn hold(&mut self, held: DVec3, chosen: impl Fn(DVec3) -> bool) {
+    pub fn hold_axes(&mut self, held: DVec3, chosen: impl Fn(DVec3) -> bool) {
         for (free, start) in self.free.iter_mut().zip(&self.start) {
             if chosen(*start) {
                 *free *= DVec3::ONE - held;
@@ -52,7 +52,7 @@ impl Linear {
     }
 
     /// The forces that hold the particles at these displacements, N.
-    pub fn resistance(&self, displacement: &[DVec3]) -> Vec<DVec3> {
+    pub fn stiffness_forces(&self, displacement: &[DVec3]) -> Vec<DVec3> {
         let mut force = vec![DVec3::ZERO; displacement.len()];
         for &([i, j], direction, stiffness) in &self.links {
             let pull = direction * (stiffness * direction.dot(displacement[j] - displacement[i]));
@@ -71,21 +71,21 @@ impl Linear {
         let scale = self.inverse_diagonal();
         let mut x = vec![DVec3::ZERO; load.len()];
         let mut r: Vec<DVec3> = load.iter().zip(&self.free).map(|(load, free)| *load * *free).collect();
-        let mut z = times(&scale, &r);
+        let mut z = componentwise_product(&scale, &r);
         let mut p = z.clone();
         let mut rho = dot(&r, &z);
-        let enough = 1e-16 * rho;
-        for _ in 0..MOST_STEPS {
-            if rho <= enough {
+        let squared_tolerance = 1e-16 * rho;
+        for _ in 0..MAX_ITERATIONS {
+            if rho <= squared_tolerance {
                 return Some(x);
             }
-            let q = self.resistance(&p);
+            let q = self.stiffness_forces(&p);
             let alpha = rho / dot(&p, &q);
             for i in 0..x.len() {
                 x[i] += p[i] * alpha;
                 r[i] -= q[i] * alpha;
             }
-            z = times(&scale, &r);
+            z = componentwise_product(&scale, &r);
             let next = dot(&r, &z);
             for (p, z) in p.iter_mut().zip(&z) {
                 *p = *z + *p * (next / rho);
@@ -97,7 +97,7 @@ impl Linear {
 
     /// The squared frequency, 1/s², of the lowest vibration that shares the symmetry of `shape`, by inverse iteration; none
     /// where nothing holds the body.
-    pub fn lowest(&self, mut shape: Vec<DVec3>) -> Option<f64> {
+    pub fn lowest_squared_frequency(&self, mut shape: Vec<DVec3>) -> Option<f64> {
         let mut lambda = f64::INFINITY;
         for _ in 0..20 {
             let load: Vec<DVec3> = shape.iter().zip(&self.mass).map(|(u, m)| *u * *m).collect();
@@ -138,7 +138,7 @@ pub fn face_load(body: &Linear, size: DVec3, cell: f64, face: DVec3, direction: 
 }
 
 /// The mean displacement along a load, weighted by the load.
-pub fn mean_along(load: &[DVec3], displacement: &[DVec3]) -> f64 {
+pub fn mean_displacement(load: &[DVec3], displacement: &[DVec3]) -> f64 {
     dot(load, displacement)
 }
 
@@ -147,6 +147,6 @@ pub fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
 
-fn times(a: &[DVec3], b: &[DVec3]) -> Vec<DVec3> {
+fn componentwise_product(a: &[DVec3], b: &[DVec3]) -> Vec<DVec3> {
     a.iter().zip(b).map(|(a, b)| *a * *b).collect()
 }

@@ -12,7 +12,7 @@ use super::step_words::step_text;
 use crate::geometry::watch::{CancelOnly, Portion};
 use crate::geometry::{Lattice, Watch};
 use crate::physics::Simulation;
-use crate::report::error::{Effort, LOOK_SECS, Row, Way, evaluations_per_second, measure};
+use crate::report::error::{Effort, Row, SAMPLE_INTERVAL_SECS, SteppingMethod, evaluations_per_second, measure};
 use crate::scene::settings::{Integrator, Stepping};
 use crate::scene::{Scene, Settings, ViewSettings};
 use crate::view::legend::three_digits;
@@ -132,9 +132,9 @@ fn effort(seconds: f64) -> Effort {
     Effort {
         seconds,
         repeats: MAX_REPEATS,
-        enough: MAX_REPEATED_TIME,
-        most_rungs: MAX_RUNGS,
-        finer: REFERENCE_STEP_SHARE,
+        repeat_time_limit: MAX_REPEATED_TIME,
+        max_rungs: MAX_RUNGS,
+        reference_step_ratio: REFERENCE_STEP_SHARE,
         side_by_side: false,
         around_limits: true,
     }
@@ -164,15 +164,15 @@ impl Span {
     fn chosen(first_contact_secs: Option<f64>, affordable_secs: f64) -> Self {
         let wanted = first_contact_secs.map_or(WITHOUT_CONTACT_SECS, |contact| contact + AFTER_CONTACT_SECS);
         let wanted = wanted.clamp(WITHOUT_CONTACT_SECS, COMPARED_SECS[1]);
-        let looks = libm::floor(wanted.min(affordable_secs) / LOOK_SECS + 1e-9);
-        Self { simulated_secs: LOOK_SECS * looks, first_contact_secs, cut_short: affordable_secs < wanted }
+        let looks = libm::floor(wanted.min(affordable_secs) / SAMPLE_INTERVAL_SECS + 1e-9);
+        Self { simulated_secs: SAMPLE_INTERVAL_SECS * looks, first_contact_secs, cut_short: affordable_secs < wanted }
     }
 
     /// What was compared, as a sentence.
     pub fn words(&self) -> String {
         let simulated = three_digits(self.simulated_secs);
         let contact = match self.first_contact_secs {
-            Some(contact) if contact <= LOOK_SECS => "in contact from the start".to_owned(),
+            Some(contact) if contact <= SAMPLE_INTERVAL_SECS => "in contact from the start".to_owned(),
             Some(contact) if contact < self.simulated_secs => format!("with the first contact at {contact:.2} s"),
             Some(contact) => format!("before the first contact at {contact:.2} s"),
             None => "without contact".to_owned(),
@@ -184,8 +184,8 @@ impl Span {
 
 fn point(row: &Row) -> CurvePoint {
     let integrator = match row.integrator {
-        Way::Manual(integrator) => Some(integrator),
-        Way::Automatic => None,
+        SteppingMethod::Manual(integrator) => Some(integrator),
+        SteppingMethod::Automatic => None,
     };
     CurvePoint {
         choice: StepChoice { integrator, dt_secs: row.dt_secs },

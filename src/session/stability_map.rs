@@ -12,8 +12,8 @@ use crate::geometry::watch::{CancelOnly, Portion};
 use crate::geometry::{Lattice, Watch};
 use crate::physics::{BodyModel, Simulation, StabilityPlane};
 pub use crate::physics::{Place, StepSettings};
-use crate::report::stability::limit::alone;
-use crate::report::stability::map::{Survival, Tried, values};
+use crate::report::stability::limit::isolated_bodies;
+use crate::report::stability::map::{StabilityTrial, Survival, values};
 use crate::scene::body::CubeShape;
 use crate::scene::edit::BodyId;
 use crate::scene::material::{Solid, Spring};
@@ -299,7 +299,7 @@ pub fn stability_map(
     let of_own = Simulation::new(&subject.scene, &subject.lattices);
     let own = plane(&subject.scene, 0, &of_own.model().bodies[0], shown.family());
     let material = |damping: f64, stiffness: f64| own.material_at(Place { damping, stiffness });
-    let tried = Tried {
+    let trial = StabilityTrial {
         scene: &subject.scene,
         lattices: &subject.lattices,
         material: &material,
@@ -308,11 +308,11 @@ pub fn stability_map(
     let [damping, stiffness] = shown.decades.map(|ends| values(ends.map(f64::from), VALUES_PER_AXIS));
     let column = |(index, damping): (usize, &f64)| {
         let span = [index, index + 1].map(|column| column as f64 / VALUES_PER_AXIS as f64);
-        tried.survival(*damping, &stiffness, &Portion::new(&watch, span))
+        trial.survival(*damping, &stiffness, &Portion::new(&watch, span))
     };
     let columns: Option<Vec<_>> = damping.iter().enumerate().map(column).collect();
     let columns = columns.ok_or(BackgroundError::Cancelled)?;
-    let border = border(&tried, &columns, [&damping, &stiffness], &watch);
+    let border = border(&trial, &columns, [&damping, &stiffness], &watch);
     if watch.cancelled() {
         return Err(BackgroundError::Cancelled);
     }
@@ -321,7 +321,7 @@ pub fn stability_map(
         id: shown.body,
         step: shown.step(),
         family: shown.family(),
-        watched: tried.steps,
+        watched: trial.steps,
         columns,
         border,
         damping,
@@ -331,16 +331,21 @@ pub fn stability_map(
 }
 
 /// Traces the border through the results of the columns, and refines it between them where it is steep or falls off the map.
-fn border(tried: &Tried<'_>, columns: &[Survival], [damping, stiffness]: [&[f64]; 2], watch: &dyn Watch) -> Vec<Place> {
+fn border(
+    trial: &StabilityTrial<'_>,
+    columns: &[Survival],
+    [damping, stiffness]: [&[f64]; 2],
+    watch: &dyn Watch,
+) -> Vec<Place> {
     let middle = |[good, bad]: [f64; 2]| (good * bad).sqrt();
     let known =
         |(column, damping): (&Survival, &f64)| Some(Place { damping: *damping, stiffness: middle(column.border?) });
     let mut border: Vec<Place> = columns.iter().zip(damping).filter_map(known).collect();
-    let stays = |column: &Survival| column.survived.first() == Some(&tried.steps);
+    let stays = |column: &Survival| column.survived.first() == Some(&trial.steps);
     let falls = (1..columns.len()).find(|&index| stays(&columns[index - 1]) && !stays(&columns[index]));
     let watch = CancelOnly(watch);
     if let (Some(index), Some(&low)) = (falls, stiffness.first()) {
-        let end = middle(tried.damping_border([damping[index - 1], damping[index]], low, &watch));
+        let end = middle(trial.damping_border([damping[index - 1], damping[index]], low, &watch));
         border.push(Place { damping: end, stiffness: low });
     }
     for _ in 0..MAX_REFINED_PLACES {
@@ -350,7 +355,7 @@ fn border(tried: &Tried<'_>, columns: &[Survival], [damping, stiffness]: [&[f64]
         let [above, below] = [border[index - 1], border[index]];
         let damping = middle([above.damping, below.damping]);
         let ends = [0.9 * below.stiffness, 1.1 * above.stiffness];
-        border.insert(index, Place { damping, stiffness: middle(tried.stiffness_border(damping, ends, &watch)) });
+        border.insert(index, Place { damping, stiffness: middle(trial.stiffness_border(damping, ends, &watch)) });
     }
     border
 }
@@ -366,7 +371,7 @@ struct Subject {
 
 impl Subject {
     fn new(scene: &Scene, index: usize, lattice: Arc<Lattice>) -> Self {
-        let mut own = alone(scene);
+        let mut own = isolated_bodies(scene);
         own.bodies = vec![own.bodies.swap_remove(index)];
         let evaluations = match scene.settings.integrator {
             Integrator::Rk2 => 2,

@@ -216,7 +216,7 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
-    use crate::report::error::{Effort, Row, Way, measure, scenes};
+    use crate::report::error::{Effort, Row, SteppingMethod, measure, scenes};
     use crate::report::extremes::lattices;
     use crate::scene::Scene;
     use crate::scene::settings::Integrator;
@@ -253,7 +253,7 @@ mod tests {
 
     /// Measures the first 0.12 s.
     fn measured(name: &str) -> Vec<Row> {
-        let (scene, seconds) = (scene(name), 3.0 * crate::report::error::LOOK_SECS);
+        let (scene, seconds) = (scene(name), 3.0 * crate::report::error::SAMPLE_INTERVAL_SECS);
         measure(name, &scene, &lattices(&scene).expect("cubes"), Effort { repeats: 1, ..Effort::full(seconds) }, &())
             .expect("nobody cancels")
             .rows
@@ -264,7 +264,7 @@ mod tests {
     fn wrong(name: &str, share: f64) -> (usize, Vec<String>) {
         let (scene, mut compared, mut wrong) = (scene(name), 0, Vec::new());
         for row in measured(name) {
-            let Way::Manual(integrator) = row.integrator else { continue };
+            let SteppingMethod::Manual(integrator) = row.integrator else { continue };
             if row.diverged || row.dt_secs > 2.5e-3 {
                 continue;
             }

@@ -12,7 +12,7 @@ use super::stoppable::Stoppable;
 use crate::geometry::Lattice;
 use crate::physics::Arrival;
 use crate::physics::Simulation;
-use crate::report::judge::{Patience, Watch};
+use crate::report::judge::{MotionJudge, Patience};
 use crate::scene::Scene;
 
 /// The simulated time of a trial, and the link forces after which it is cut short: some seconds of work.
@@ -45,7 +45,7 @@ struct Trial {
 #[derive(Debug)]
 enum Criterion {
     /// A scene that starts anew must stay sound, with no energy from nowhere.
-    StaysSound(Box<Watch>),
+    StaysSound(Box<MotionJudge>),
     /// A body that goes on must be healed. Its energy is not checked, as turning its cells back adds some.
     HealsInversion { link_forces: u64, diverged: bool },
 }
@@ -113,7 +113,7 @@ impl Trials {
             simulation
         };
         let criterion = if cure.restart {
-            Criterion::StaysSound(Box::new(Watch::open(&simulation, TRIAL_LIMITS)))
+            Criterion::StaysSound(Box::new(MotionJudge::open(&simulation, TRIAL_LIMITS)))
         } else {
             Criterion::HealsInversion { link_forces: 0, diverged: false }
         };

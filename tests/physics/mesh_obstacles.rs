@@ -6,7 +6,7 @@ use std::sync::Arc;
 use gelatin::geometry::{Surface, TriMesh};
 use gelatin::math::rotation::from_euler_deg;
 use gelatin::physics::{Arrival, SimdLevel, Simulation};
-use gelatin::report::disturb::{Disturbance, What};
+use gelatin::report::disturb::{Disturbance, DisturbanceKind};
 use gelatin::report::extremes::{Edition, extreme_of};
 use gelatin::report::judge::{Patience, judge_disturbed};
 use gelatin::scene::obstacle::{Cuboid, Mesh, Motion, Oscillate, Plane, Turn};
@@ -306,9 +306,9 @@ fn a_bowl_that_is_swept_about_does_the_work_that_bodies_gain() {
     *after.obstacles[0].shape.center_mut() = [0.8, 1.4, 0.2];
     let mut last = after.clone();
     *last.obstacles[0].shape.rotation_deg_mut().expect("it can be turned") = [0.0, 0.0, 70.0];
-    let what = |scene: Scene| What::Obstacles { scene: Box::new(scene), arrival: Arrival::Swept };
+    let kind = |scene: Scene| DisturbanceKind::Obstacles { scene: Box::new(scene), arrival: Arrival::Swept };
     let disturbances =
-        [Disturbance { at_secs: 0.3, what: what(after) }, Disturbance { at_secs: 0.5, what: what(last) }];
+        [Disturbance { at_secs: 0.3, kind: kind(after) }, Disturbance { at_secs: 0.5, kind: kind(last) }];
     let patience = Patience { seconds: 0.9, most_link_forces: 200_000_000 };
     let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices(&scene), patience);
     assert!(verdict.fault.is_none(), "{}", verdict.words);

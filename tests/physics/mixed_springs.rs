@@ -2,7 +2,7 @@
 
 use gelatin::geometry::Family;
 use gelatin::physics::Simulation;
-use gelatin::report::statics::{Linear, dot, face_load, mean_along};
+use gelatin::report::statics::{Linear, dot, face_load, mean_displacement};
 use gelatin::scene::body::Inlay;
 use gelatin::scene::settings::Integrator;
 use gelatin::scene::{Body, Scene, Springs};
@@ -35,7 +35,7 @@ fn stretch(springs: Springs, inlays: Vec<Inlay>) -> f64 {
     let on = |direction: DVec3| face_load(&body, DVec3::ONE, 1.0 / 6.0, direction, direction);
     let load: Vec<DVec3> = on(DVec3::X).iter().zip(on(DVec3::NEG_X)).map(|(a, b)| *a + b).collect();
     let displacement = body.solve(&load).expect("it is in balance");
-    let stretch = mean_along(&load, &displacement);
+    let stretch = mean_displacement(&load, &displacement);
     assert!((dot(&load, &displacement) / stretch).is_finite(), "it gives way");
     stretch
 }

@@ -55,7 +55,7 @@ fn compiled(names: [&str; 2], body: Body) -> Result<BodyModel<f64>, SceneError> 
 /// sinks, m. The bar is held at its lowest x.
 fn bends(model: &BodyModel<f64>) -> ([f64; 2], f64) {
     let mut bar = Linear::of(model);
-    bar.hold(DVec3::ONE, |start| start.x < -0.4 + 1e-9);
+    bar.hold_axes(DVec3::ONE, |start| start.x < -0.4 + 1e-9);
     let weight: Vec<DVec3> = bar.mass.iter().map(|mass| DVec3::NEG_Y * (9.81 * mass)).collect();
     let moved = bar.solve(&weight).expect("it is held");
     let height = |x: f64| {

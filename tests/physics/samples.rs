@@ -148,7 +148,7 @@ fn a_table_whose_legs_reach_into_its_top_weighs_what_both_have_together() {
 /// `ρ g L² (L²/(5 E r²) + 1/(3 k G))` with Poisson's ratio 1/4 and Cowper's k = 15/17 for it.
 fn deflection(body: &Linear, radius: f64) -> f64 {
     let mut body = body.clone();
-    body.hold(DVec3::ONE, |start| start.x < -0.5 + 1e-9);
+    body.hold_axes(DVec3::ONE, |start| start.x < -0.5 + 1e-9);
     let load: Vec<DVec3> = body.mass.iter().map(|mass| DVec3::NEG_Y * (9.81 * mass)).collect();
     let found = dot(&load, &body.solve(&load).expect("it is held")) / (9.81 * body.mass.iter().sum::<f64>());
     let weight = SOLID.density * 9.81 / SOLID.young_modulus;
@@ -164,9 +164,9 @@ fn stretch(body: &Linear) -> f64 {
     let near_axis = |a: &&DVec3, b: &&DVec3| a.y.abs().total_cmp(&b.y.abs()).then(a.z.total_cmp(&b.z));
     let first = *body.start.iter().filter(|start| is_end(**start)).min_by(near_axis).expect("an end");
     let is_beside = |start: DVec3| is_end(start) && start.y.to_bits() == first.y.to_bits();
-    body.hold(DVec3::X, is_end);
-    body.hold(DVec3::Y, is_beside);
-    body.hold(DVec3::Z, |start| start == first);
+    body.hold_axes(DVec3::X, is_end);
+    body.hold_axes(DVec3::Y, is_beside);
+    body.hold_axes(DVec3::Z, |start| start == first);
     let load: Vec<DVec3> = body.mass.iter().map(|mass| DVec3::X * (9.81 * mass)).collect();
     let found = dot(&load, &body.solve(&load).expect("it is held")) / (9.81 * body.mass.iter().sum::<f64>());
     found / (SOLID.density * 9.81 / (3.0 * SOLID.young_modulus))

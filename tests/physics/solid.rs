@@ -3,7 +3,7 @@
 use gelatin::physics::Arrival;
 use gelatin::physics::BodyModel;
 use gelatin::physics::Simulation;
-use gelatin::report::statics::{Linear, dot, face_load, mean_along};
+use gelatin::report::statics::{Linear, dot, face_load, mean_displacement};
 use gelatin::scene::body::{CellsShape, CubeShape, Inlay, PinBox};
 use gelatin::scene::material::Spring;
 use gelatin::scene::{Body, Material, Scene, Shape, Solid, Springs};
@@ -34,9 +34,9 @@ fn pulled(body: &BodyModel<f64>, cells: u32) -> [f64; 2] {
     let ends = [on(DVec3::X, DVec3::X), on(DVec3::NEG_X, DVec3::NEG_X)];
     let load: Vec<DVec3> = ends[0].iter().zip(&ends[1]).map(|(a, b)| *a + *b).collect();
     let displacement = body.solve(&load).expect("it is in balance");
-    let stretch = mean_along(&load, &displacement);
-    let across =
-        mean_along(&on(DVec3::Y, DVec3::Y), &displacement) + mean_along(&on(DVec3::NEG_Y, DVec3::NEG_Y), &displacement);
+    let stretch = mean_displacement(&load, &displacement);
+    let across = mean_displacement(&on(DVec3::Y, DVec3::Y), &displacement)
+        + mean_displacement(&on(DVec3::NEG_Y, DVec3::NEG_Y), &displacement);
     [1.0 / stretch, -across / stretch]
 }
 
@@ -57,7 +57,7 @@ fn an_even_stretch_is_in_balance_inside_and_at_free_surfaces() {
     for cells in [7, 10, 20] {
         let body = Linear::of(&compiled(solid_cube(cells)));
         let displacement: Vec<DVec3> = body.start.iter().map(|start| *start * strain).collect();
-        let force = body.resistance(&displacement);
+        let force = body.stiffness_forces(&displacement);
         let at_ends = |start: &DVec3| start.x.abs() > 0.5 - 1e-9;
         let largest = |ends: bool| {
             let chosen = force.iter().zip(&body.start).filter(|(_, start)| at_ends(start) == ends);
@@ -98,7 +98,7 @@ fn weight(body: &Linear) -> Vec<DVec3> {
 /// The solid cube hung by its top, with the axes `held` held there.
 fn hung(cells: u32, held: DVec3) -> Linear {
     let mut body = Linear::of(&compiled(solid_cube(cells)));
-    body.hold(held, |start| start.y > 0.5 - 1e-9);
+    body.hold_axes(held, |start| start.y > 0.5 - 1e-9);
     body
 }
 
@@ -111,7 +111,7 @@ fn a_hanging_body_sags_alike_at_every_resolution() {
         let sag = |held: DVec3| {
             let body = hung(cells, held);
             let bottom = face_load(&body, DVec3::ONE, 1.0 / f64::from(cells), DVec3::NEG_Y, DVec3::NEG_Y);
-            mean_along(&bottom, &body.solve(&weight(&body)).expect("it is held"))
+            mean_displacement(&bottom, &body.solve(&weight(&body)).expect("it is held"))
         };
         let [free, held] = [DVec3::Y, DVec3::ONE].map(sag);
         assert!((free / bar - 1.0).abs() < 2e-4, "{cells} divisions sag {free} m, a bar {bar} m");
@@ -127,7 +127,7 @@ fn a_body_swings_along_itself_alike_at_every_resolution() {
     for cells in [7, 20, 40] {
         let body = hung(cells, DVec3::Y);
         let sag = body.solve(&weight(&body)).expect("it is held");
-        let omega = body.lowest(sag).expect("it is held").sqrt();
+        let omega = body.lowest_squared_frequency(sag).expect("it is held").sqrt();
         found.push(omega);
     }
     assert!(spread(&found) < 0.02, "rad/s: {found:?}");

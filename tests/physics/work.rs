@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use gelatin::geometry::Lattice;
 use gelatin::physics::Arrival;
-use gelatin::report::disturb::{Disturbance, What};
+use gelatin::report::disturb::{Disturbance, DisturbanceKind};
 use gelatin::report::judge::{Patience, judge_disturbed};
 use gelatin::scene::body::PinBox;
 use gelatin::scene::material::Spring;
@@ -53,8 +53,8 @@ fn within_a_ball(after: &Scene) -> Scene {
 }
 
 fn sound(scene: &Scene, after: Scene, lattices: &[Arc<Lattice>]) -> String {
-    let what = What::Obstacles { scene: Box::new(after), arrival: Arrival::Swept };
-    let disturbances = [Disturbance { at_secs: 0.01, what }];
+    let kind = DisturbanceKind::Obstacles { scene: Box::new(after), arrival: Arrival::Swept };
+    let disturbances = [Disturbance { at_secs: 0.01, kind }];
     let patience = Patience { seconds: 0.3, most_link_forces: 100_000_000 };
     let verdict = judge_disturbed::<f32>(scene, &disturbances, lattices, patience);
     verdict.fault.map_or_else(String::new, |fault| format!("{}: {}", fault.words(), verdict.words))

@@ -10,9 +10,9 @@ use crate::scene::{Scene, param, path};
 use crate::text::echo;
 
 /// The most values of one parameter.
-const MOST_VALUES: usize = 10_000;
+const MAX_VALUES: usize = 10_000;
 /// The most combinations of all parameters.
-const MOST_RUNS: usize = 1_000_000;
+const MAX_RUNS: usize = 1_000_000;
 
 /// One parameter and its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,8 +54,8 @@ impl FromStr for Axis {
         let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
         let (Some(first), Some(last)) = (number(first), number(last)) else { return Err(wanted()) };
         let steps: usize = steps.parse().map_err(|_no_number| wanted())?;
-        if !(2..=MOST_VALUES).contains(&steps) {
-            return Err(format!("{steps} values cannot be taken: ask for 2 to {MOST_VALUES}, both ends included"));
+        if !(2..=MAX_VALUES).contains(&steps) {
+            return Err(format!("{steps} values cannot be taken: ask for 2 to {MAX_VALUES}, both ends included"));
         }
         if first.total_cmp(&last).is_eq() {
             return Err(format!("from {first} to {last} there is one value only; use --set"));
@@ -92,14 +92,14 @@ pub(super) fn check(axes: &[Axis], scene: &Scene) -> Result<(), Failure> {
     }
     match runs(axes) {
         Some(_) => Ok(()),
-        None => Err(Failure::usage(anyhow!("these are more than {MOST_RUNS} combinations; ask for fewer values"))),
+        None => Err(Failure::usage(anyhow!("these are more than {MAX_RUNS} combinations; ask for fewer values"))),
     }
 }
 
 /// The number of combinations; none if there are too many.
 fn runs(axes: &[Axis]) -> Option<usize> {
     let count = axes.iter().try_fold(1_usize, |count, axis| count.checked_mul(axis.values.len()));
-    count.filter(|count| *count <= MOST_RUNS)
+    count.filter(|count| *count <= MAX_RUNS)
 }
 
 /// Every combination of the values; those of the last parameter change fastest.

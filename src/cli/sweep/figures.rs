@@ -8,7 +8,7 @@ use crate::cli::Failure;
 use crate::text::echo;
 
 /// The default figures.
-const USUAL: [&str; 6] =
+const DEFAULT_FIGURES: [&str; 6] =
     ["finite", "max_speed", "peak.max_strain", "peak.max_penetration_m", "energy_joule.total", "wall_secs"];
 
 /// The units of figures, by how their names end or begin.
@@ -28,10 +28,10 @@ const UNITS: [(&str, &str); 9] = [
 pub(super) fn names(asked: Option<&str>, specimen: &Value) -> Result<Vec<String>, Failure> {
     let names: Vec<String> = match asked {
         Some(text) => text.split(',').map(|name| name.trim().to_owned()).collect(),
-        None => USUAL.map(str::to_owned).to_vec(),
+        None => DEFAULT_FIGURES.map(str::to_owned).to_vec(),
     };
     let mut known = Vec::new();
-    leaves("", specimen, &mut known);
+    collect_names("", specimen, &mut known);
     for (index, name) in names.iter().enumerate() {
         if !known.contains(name) {
             let (name, known) = (echo(name), known.join(", "));
@@ -73,13 +73,13 @@ pub(super) fn cell(figure: &Value) -> String {
 }
 
 /// Collects the names of all single values. The stages and the warnings of a run are left out, as lists of varying length.
-fn leaves(path: &str, node: &Value, found: &mut Vec<String>) {
+fn collect_names(path: &str, node: &Value, found: &mut Vec<String>) {
     let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
     match node {
         _ if ["stages", "warnings"].contains(&path) => {}
-        Value::Object(fields) => fields.iter().for_each(|(name, node)| leaves(&below(name), node, found)),
+        Value::Object(fields) => fields.iter().for_each(|(name, node)| collect_names(&below(name), node, found)),
         Value::Array(entries) => {
-            entries.iter().enumerate().for_each(|(index, node)| leaves(&below(&index.to_string()), node, found));
+            entries.iter().enumerate().for_each(|(index, node)| collect_names(&below(&index.to_string()), node, found));
         }
         _ => found.push(path.to_owned()),
     }

@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::kept::{Kept, Measurement};
 use super::out;
+use super::partial_results::{Measurement, PartialResults};
 use super::report_options::make_folder;
 use super::run::seconds;
 use super::scene_args::{self, SceneArgs};
@@ -90,27 +90,27 @@ pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let about = About { scene: title, over: args.over.clone(), figures: names, seconds: args.seconds };
     let all = axis::combinations(&about.over);
     let measurement = Measurement::new(KIND, all.len(), serde_json::to_value(&about)?, &ron);
-    let kept = Kept::open(args.output.as_deref(), measurement, args.shard)?;
-    measure(&base, &about, &all, &kept)?;
-    if let Some(part) = kept.part() {
-        return Ok(out::part(part, kept.found().len(), args.json)?);
+    let results = PartialResults::open(args.output.as_deref(), measurement, args.shard)?;
+    measure(&base, &about, &all, &results)?;
+    if let Some(part) = results.part() {
+        return Ok(out::part(part, results.found().len(), args.json)?);
     }
-    tell(&about, &kept.found(), args.output.as_deref(), args.json)?;
-    Ok(kept.discard()?)
+    publish(&about, &results.found(), args.output.as_deref(), args.json)?;
+    Ok(results.discard()?)
 }
 
 /// Runs the combinations that are not kept yet.
-fn measure(base: &Session, about: &About, all: &[Vec<f64>], kept: &Kept<Row>) -> Result<(), Failure> {
-    let missing = kept.missing();
+fn measure(base: &Session, about: &About, all: &[Vec<f64>], results: &PartialResults<Row>) -> Result<(), Failure> {
+    let missing = results.missing();
     let tally = Tally::new("runs", missing.len());
     let gave_up = AtomicBool::new(false);
     let work = missing.into_par_iter().with_max_len(1).map(|piece| {
         if gave_up.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let done = row(base, about, &all[piece]).and_then(|row| Ok(kept.add(piece, row)?));
+        let done = row(base, about, &all[piece]).and_then(|row| Ok(results.add(piece, row)?));
         gave_up.fetch_or(done.is_err(), Ordering::Relaxed);
-        tally.one_more();
+        tally.increment();
         done
     });
     work.collect()
@@ -133,7 +133,7 @@ fn row(base: &Session, about: &About, values: &[f64]) -> Result<Row, Failure> {
 }
 
 /// Prints the rows and writes the table and the picture.
-pub(super) fn tell(about: &About, rows: &[Row], folder: Option<&Path>, json: bool) -> Result<(), Failure> {
+pub(super) fn publish(about: &About, rows: &[Row], folder: Option<&Path>, json: bool) -> Result<(), Failure> {
     let table = csv(about, rows);
     if let Some(folder) = folder {
         let [written, drawn] = FILES.map(|name| folder.join(name));

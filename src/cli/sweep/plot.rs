@@ -16,13 +16,13 @@ use crate::cli::plot::{Area, AxisWords, COLORS, COLUMNS, Drawn, PLOT, mesh, pane
 use crate::view::colormap::Colormap;
 
 /// Values that span more than this factor are drawn on a logarithmic scale.
-const LOGARITHMIC: f64 = 100.0;
+const MIN_LOGARITHMIC_RATIO: f64 = 100.0;
 /// The width of a heat map's legend, pixels.
-const LEGEND: u32 = 110;
+const LEGEND_WIDTH: u32 = 110;
 /// The most numbers along an edge of a heat map.
-const MOST_LABELS: usize = 8;
+const MAX_LABELS: usize = 8;
 /// The colour of runs that diverged.
-const DIVERGED: RGBColor = RGBColor(190, 190, 190);
+const DIVERGED_COLOR: RGBColor = RGBColor(190, 190, 190);
 
 /// A figure's numbers, one per run; none where the run diverged or the figure is no number.
 struct Curve {
@@ -58,7 +58,7 @@ impl Scale {
     /// Chooses the scale for these values.
     fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
         let [low, high] = ends(values.clone());
-        Self::new(low > 0.0 && high / low > LOGARITHMIC, values)
+        Self::new(low > 0.0 && high / low > MIN_LOGARITHMIC_RATIO, values)
     }
 
     fn new(logarithmic: bool, values: impl Iterator<Item = f64>) -> Self {
@@ -137,7 +137,7 @@ fn map(area: &Area<'_>, [across, down]: [&Axis; 2], curve: &Curve) -> Drawn {
         RGBColor(red, green, blue)
     };
     let (width, _) = area.dim_in_pixel();
-    let (area, legend) = area.split_horizontally(width.saturating_sub(LEGEND));
+    let (area, legend) = area.split_horizontally(width.saturating_sub(LEGEND_WIDTH));
     let [columns, rows] = [across, down].map(|axis| axis.values.len());
     let mut chart = ChartBuilder::on(&area)
         .caption(title(&curve.name), ("sans-serif", 18))
@@ -154,8 +154,8 @@ fn map(area: &Area<'_>, [across, down]: [&Axis; 2], curve: &Curve) -> Drawn {
         .disable_mesh()
         .x_desc(across.title())
         .y_desc(down.title())
-        .x_labels(columns.min(MOST_LABELS))
-        .y_labels(rows.min(MOST_LABELS))
+        .x_labels(columns.min(MAX_LABELS))
+        .y_labels(rows.min(MAX_LABELS))
         .x_label_formatter(&|at| label(across, at))
         .y_label_formatter(&|at| label(down, at))
         .draw()?;
@@ -166,17 +166,24 @@ fn map(area: &Area<'_>, [across, down]: [&Axis; 2], curve: &Curve) -> Drawn {
             (SegmentValue::Exact(x), SegmentValue::Exact(y)),
             (SegmentValue::Exact(x + 1), SegmentValue::Exact(y + 1)),
         ];
-        Rectangle::new(corners, value.map_or(DIVERGED, |value| color(scale.place(value))).filled())
+        Rectangle::new(corners, value.map_or(DIVERGED_COLOR, |value| color(scale.place(value))).filled())
     });
     chart.draw_series(cells)?;
-    let lost = curve.values.iter().enumerate().filter(|(_, value)| value.is_none()).map(|(index, _)| field(index));
+    let diverged_runs =
+        curve.values.iter().enumerate().filter(|(_, value)| value.is_none()).map(|(index, _)| field(index));
     let middle = |(x, y)| (SegmentValue::CenterOf(x), SegmentValue::CenterOf(y));
-    chart.draw_series(lost.map(|at| Cross::new(middle(at), 4, BLACK.stroke_width(1))))?;
+    chart.draw_series(diverged_runs.map(|at| Cross::new(middle(at), 4, BLACK.stroke_width(1))))?;
     bar(&legend, low..high, scale, color, curve.values.iter().any(Option::is_none))
 }
 
 /// Draws the colour scale with its numbers.
-fn bar(area: &Area<'_>, range: Range<f64>, scale: Scale, color: impl Fn(f64) -> RGBColor, with_lost: bool) -> Drawn {
+fn bar(
+    area: &Area<'_>,
+    range: Range<f64>,
+    scale: Scale,
+    color: impl Fn(f64) -> RGBColor,
+    has_diverged_runs: bool,
+) -> Drawn {
     const STRIPES: i32 = 64;
     let (top, height) = (46, 260);
     let font = || ("sans-serif", 12).into_font().color(&BLACK);
@@ -189,8 +196,8 @@ fn bar(area: &Area<'_>, range: Range<f64>, scale: Scale, color: impl Fn(f64) -> 
         let y = top + height - height * stripe / STRIPES;
         area.draw(&Text::new(scale.label(place(stripe)), (30, y - 6), font()))?;
     }
-    if with_lost {
-        area.draw(&Rectangle::new([(6, top + height + 16), (24, top + height + 34)], DIVERGED.filled()))?;
+    if has_diverged_runs {
+        area.draw(&Rectangle::new([(6, top + height + 16), (24, top + height + 34)], DIVERGED_COLOR.filled()))?;
         area.draw(&Cross::new((15, top + height + 25), 4, BLACK.stroke_width(1)))?;
         area.draw(&Text::new("diverged", (30, top + height + 19), font()))?;
     }

@@ -1,6 +1,6 @@
 //! A soft gradient wherever nothing else is.
 
-use super::{Drawing, drawing_pipeline};
+use super::{PipelineOptions, render_pipeline};
 use crate::render::shader;
 use crate::render::target::Output;
 
@@ -16,7 +16,7 @@ impl BackgroundPass {
         output: Output,
         layouts: &[Option<&wgpu::BindGroupLayout>],
     ) -> Self {
-        let drawing = Drawing {
+        let options = PipelineOptions {
             shader: shader::BACKGROUND,
             constants: &[],
             layouts,
@@ -26,7 +26,7 @@ impl BackgroundPass {
             blend: None,
             cull: None,
         };
-        Self { pipeline: drawing_pipeline(device, output, &drawing) }
+        Self { pipeline: render_pipeline(device, output, &options) }
     }
 
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {

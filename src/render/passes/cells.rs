@@ -1,7 +1,7 @@
 //! Cells as frames; those turned inside out are crossed.
 
-use super::all_with;
-use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use super::with_scale;
+use super::{EntryPoints, overlay_options, render_pipeline_with, vertex_layout};
 use crate::render::device::Device;
 use crate::render::error::RenderError;
 use crate::render::layout::CellSet;
@@ -32,8 +32,8 @@ impl CellsPass {
         let layouts = [Some(frame), Some(styles.layout())];
         let corners = wgpu::vertex_attr_array![0 => Uint32x4, 1 => Uint32x4];
         let buffers = [Some(vertex_layout::<[u32; 8]>(wgpu::VertexStepMode::Instance, &corners))];
-        let drawing = overlay_drawing(shader::CELLS, wgpu::PrimitiveTopology::TriangleList, &layouts, &buffers, true);
-        let pipeline = drawing_pipeline_with(device, output, &drawing, Entries::default());
+        let options = overlay_options(shader::CELLS, wgpu::PrimitiveTopology::TriangleList, &layouts, &buffers, true);
+        let pipeline = render_pipeline_with(device, output, &options, EntryPoints::default());
         Self { pipeline, styles, cells: UploadCache::new("cells"), sets: Vec::new() }
     }
 
@@ -49,7 +49,7 @@ impl CellsPass {
         self.sets.clear();
         self.cells.begin();
         if let Some(positions) = meshes.particles() {
-            for (frames, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.cells, overlay.scale)) {
+            for (frames, scale) in overlays.into_iter().flat_map(|overlay| with_scale(&overlay.cells, overlay.scale)) {
                 let CellFrames { cells, first, width } = frames;
                 let look = CellSet {
                     color: colors.of(Tint::Cell, 0.8),

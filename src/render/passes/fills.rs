@@ -1,6 +1,6 @@
 //! Flat shapes over everything.
 
-use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use super::{EntryPoints, overlay_options, render_pipeline_with, vertex_layout};
 use crate::render::device::Device;
 use crate::render::error::RenderError;
 use crate::render::layout::FillVertex;
@@ -22,9 +22,9 @@ impl FillsPass {
     pub(in crate::render) fn new(device: &wgpu::Device, output: Output, frame: &wgpu::BindGroupLayout) -> Self {
         let layouts = [Some(frame)];
         let buffers = [Some(vertex_layout::<FillVertex>(wgpu::VertexStepMode::Vertex, &FillVertex::ATTRIBUTES))];
-        let drawing = overlay_drawing(shader::FILLS, wgpu::PrimitiveTopology::TriangleList, &layouts, &buffers, false);
-        let entries = Entries { compare: wgpu::CompareFunction::Always, ..Entries::default() };
-        let pipeline = drawing_pipeline_with(device, output, &drawing, entries);
+        let options = overlay_options(shader::FILLS, wgpu::PrimitiveTopology::TriangleList, &layouts, &buffers, false);
+        let entries = EntryPoints { compare: wgpu::CompareFunction::Always, ..EntryPoints::default() };
+        let pipeline = render_pipeline_with(device, output, &options, entries);
         Self { pipeline, corners: UploadCache::new("flat shapes"), ready: Vec::new() }
     }
 

@@ -1,6 +1,6 @@
 //! The grid on the ground and the shadows that fall on it.
 
-use super::{Drawing, drawing_pipeline};
+use super::{PipelineOptions, render_pipeline};
 use crate::render::shader;
 use crate::render::target::Output;
 
@@ -17,7 +17,7 @@ impl GroundPass {
         layouts: &[Option<&wgpu::BindGroupLayout>],
     ) -> Self {
         let lighting = output.quality.lighting_constants();
-        let drawing = Drawing {
+        let options = PipelineOptions {
             shader: shader::GROUND,
             constants: &lighting,
             layouts,
@@ -27,7 +27,7 @@ impl GroundPass {
             blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
             cull: None,
         };
-        Self { pipeline: drawing_pipeline(device, output, &drawing) }
+        Self { pipeline: render_pipeline(device, output, &options) }
     }
 
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {

@@ -1,7 +1,7 @@
 //! Overlay lines: between particles or skin vertices, between places in the world, or on the screen.
 
-use super::all_with;
-use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use super::with_scale;
+use super::{EntryPoints, overlay_options, render_pipeline_with, vertex_layout};
 use crate::render::device::Device;
 use crate::render::error::RenderError;
 use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance};
@@ -50,23 +50,26 @@ impl LinesPass {
         let pair = wgpu::vertex_attr_array![0 => Uint32x2];
         let pairs = [Some(vertex_layout::<[u32; 2]>(instance, &pair))];
         let segments = [Some(vertex_layout::<SegmentInstance>(instance, &SegmentInstance::ATTRIBUTES))];
-        let pipeline = |vertex, buffers, entries: Entries| {
-            let drawing = overlay_drawing(
+        let pipeline = |vertex, buffers, entries: EntryPoints| {
+            let options = overlay_options(
                 shader::LINES,
                 wgpu::PrimitiveTopology::TriangleStrip,
                 &layouts,
                 buffers,
                 entries.writes_depth,
             );
-            drawing_pipeline_with(device, output, &drawing, Entries { vertex, ..entries })
+            render_pipeline_with(device, output, &options, EntryPoints { vertex, ..entries })
         };
         Self {
             carried: [
-                pipeline("carried", &pairs, Entries { writes_depth: true, ..Entries::SEEN }),
-                pipeline("carried", &pairs, Entries::HIDDEN),
+                pipeline("carried", &pairs, EntryPoints { writes_depth: true, ..EntryPoints::VISIBLE }),
+                pipeline("carried", &pairs, EntryPoints::HIDDEN),
             ],
-            placed: [pipeline("placed", &segments, Entries::SEEN), pipeline("placed", &segments, Entries::HIDDEN)],
-            screen: pipeline("screen", &segments, Entries::SEEN),
+            placed: [
+                pipeline("placed", &segments, EntryPoints::VISIBLE),
+                pipeline("placed", &segments, EntryPoints::HIDDEN),
+            ],
+            screen: pipeline("screen", &segments, EntryPoints::VISIBLE),
             styles,
             pairs: UploadCache::new("pairs of particles"),
             segments: UploadCache::new("segments"),
@@ -86,8 +89,8 @@ impl LinesPass {
         self.sets.clear();
         self.pairs.begin();
         self.segments.begin();
-        for (lines, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.lines, overlay.scale)) {
-            let mut look = LineSet {
+        for (lines, scale) in overlays.into_iter().flat_map(|overlay| with_scale(&overlay.lines, overlay.scale)) {
+            let mut style = LineSet {
                 color: colors.of(lines.tint, lines.opacity),
                 width: lines.width * scale,
                 hidden: lines.hidden,
@@ -97,14 +100,14 @@ impl LinesPass {
             let Some(mut positions) = meshes.particles().cloned() else { continue };
             let (kind, instances, count) = match &lines.ends {
                 LineEnds::Particles { ends, first } => {
-                    look.first = *first;
+                    style.first = *first;
                     let bytes_of = |pairs: &[[u32; 2]]| bytemuck::cast_slice(pairs).to_vec();
                     (Kind::Carried, self.pairs.get(device, queue, ends, bytes_of, bytes_counted)?, ends.len())
                 }
                 LineEnds::Skin(index) => {
                     let Some(skin) = meshes.skins.get_mut(*index) else { continue };
                     positions = skin.deformed.clone();
-                    look.stride = DeformedVertex::STRIDE;
+                    style.stride = DeformedVertex::STRIDE;
                     let (edges, count) = skin.edges(device, queue, bytes_counted)?;
                     (Kind::Carried, edges, count)
                 }
@@ -118,7 +121,7 @@ impl LinesPass {
                     (if is_placed { Kind::Placed } else { Kind::Screen }, buffer, segments.len())
                 }
             };
-            let content = bytemuck::bytes_of(&look);
+            let content = bytemuck::bytes_of(&style);
             self.styles.set(device, queue, self.sets.len(), content, &positions, bytes_counted);
             let count = u32::try_from(count).unwrap_or(u32::MAX);
             self.sets.push(Prepared { kind, instances, count, has_hidden: lines.hidden > 0.0 });

@@ -1,6 +1,6 @@
 //! Bodies, as jelly or in the colours of a scalar.
 
-use super::{Drawing, drawing_pipeline, vertex_layout};
+use super::{PipelineOptions, render_pipeline, vertex_layout};
 use crate::render::layout::{BodyInstance, DeformedVertex};
 use crate::render::mesh_buffers::SkinBuffers;
 use crate::render::shader;
@@ -12,7 +12,7 @@ pub(in crate::render) struct MeshPass {
     /// Front faces, then back faces, so that hidden back faces of closed bodies cost nothing and open bodies show theirs.
     pipelines: [wgpu::RenderPipeline; 2],
     /// Front faces, blended, for see-through bodies.
-    sheer: wgpu::RenderPipeline,
+    translucent: wgpu::RenderPipeline,
 }
 
 /// A choice of triangles of a skin.
@@ -35,7 +35,7 @@ impl MeshPass {
             Some(vertex_layout::<BodyInstance>(wgpu::VertexStepMode::Instance, &BodyInstance::ATTRIBUTES)),
         ];
         let lighting = output.quality.lighting_constants();
-        let drawing = |cull| Drawing {
+        let options = |cull| PipelineOptions {
             shader: shader::MESH,
             constants: &lighting,
             layouts,
@@ -45,11 +45,12 @@ impl MeshPass {
             blend: None,
             cull: Some(cull),
         };
-        let pipeline = |cull| drawing_pipeline(device, output, &drawing(cull));
-        let sheer = Drawing { writes_depth: false, blend: Some(by_constant()), ..drawing(wgpu::Face::Back) };
+        let pipeline = |cull| render_pipeline(device, output, &options(cull));
+        let translucent =
+            PipelineOptions { writes_depth: false, blend: Some(blend_by_constant()), ..options(wgpu::Face::Back) };
         Self {
             pipelines: [wgpu::Face::Back, wgpu::Face::Front].map(pipeline),
-            sheer: drawing_pipeline(device, output, &sheer),
+            translucent: render_pipeline(device, output, &translucent),
         }
     }
 
@@ -67,7 +68,7 @@ impl MeshPass {
     }
 
     /// As [`MeshPass::draw`], but blended over the picture with an `opacity` of 0..1.
-    pub(in crate::render) fn draw_sheer(
+    pub(in crate::render) fn draw_translucent(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         skins: &[SkinBuffers],
@@ -77,7 +78,7 @@ impl MeshPass {
     ) {
         let opacity = f64::from(opacity);
         pass.set_blend_constant(wgpu::Color { r: opacity, g: opacity, b: opacity, a: opacity });
-        draw_with(&self.sheer, pass, skins, triangles, instances);
+        draw_with(&self.translucent, pass, skins, triangles, instances);
     }
 }
 
@@ -102,7 +103,7 @@ fn draw_with(
 }
 
 /// Blends with the picture by the constant of the pass.
-pub(super) fn by_constant() -> wgpu::BlendState {
+pub(super) fn blend_by_constant() -> wgpu::BlendState {
     let component = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::Constant,
         dst_factor: wgpu::BlendFactor::OneMinusConstant,

@@ -21,7 +21,7 @@ use super::target::{DEPTH_FORMAT, Output};
 
 /// The differences between pipelines that draw into the picture.
 #[derive(Clone, Copy)]
-struct Drawing<'a> {
+struct PipelineOptions<'a> {
     shader: Shader,
     /// Values of the shader's constants by name.
     constants: &'a [(&'a str, f64)],
@@ -35,7 +35,7 @@ struct Drawing<'a> {
 
 /// The entry points of a pipeline's shader, and its use of depth.
 #[derive(Clone, Copy)]
-struct Entries {
+struct EntryPoints {
     vertex: &'static str,
     fragment: &'static str,
     compare: wgpu::CompareFunction,
@@ -43,7 +43,7 @@ struct Entries {
     writes_depth: bool,
 }
 
-impl Default for Entries {
+impl Default for EntryPoints {
     /// Nearer (greater) depth wins.
     fn default() -> Self {
         let compare = wgpu::CompareFunction::GreaterEqual;
@@ -51,63 +51,63 @@ impl Default for Entries {
     }
 }
 
-impl Entries {
+impl EntryPoints {
     /// For visible fragments: nothing lies in front of them.
-    const SEEN: Self =
+    const VISIBLE: Self =
         Self { vertex: "placed", fragment: "seen", compare: wgpu::CompareFunction::GreaterEqual, writes_depth: false };
     /// For hidden fragments: something lies in front of them.
-    const HIDDEN: Self = Self { fragment: "hidden", compare: wgpu::CompareFunction::Less, ..Self::SEEN };
+    const HIDDEN: Self = Self { fragment: "hidden", compare: wgpu::CompareFunction::Less, ..Self::VISIBLE };
 }
 
 /// A drawing of triangles, or of strips of two triangles per instance, that are blended over the picture.
-fn overlay_drawing<'a>(
+fn overlay_options<'a>(
     shader: Shader,
     topology: wgpu::PrimitiveTopology,
     layouts: &'a [Option<&'a wgpu::BindGroupLayout>],
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     writes_depth: bool,
-) -> Drawing<'a> {
+) -> PipelineOptions<'a> {
     let blend = Some(wgpu::BlendState::ALPHA_BLENDING);
-    Drawing { shader, constants: &[], layouts, buffers, topology, writes_depth, blend, cull: None }
+    PipelineOptions { shader, constants: &[], layouts, buffers, topology, writes_depth, blend, cull: None }
 }
 
 /// Every part of an overlay with the overlay's scale.
-fn all_with<T>(parts: &[T], scale: f32) -> impl Iterator<Item = (&T, f32)> {
+fn with_scale<T>(parts: &[T], scale: f32) -> impl Iterator<Item = (&T, f32)> {
     parts.iter().map(move |part| (part, scale))
 }
 
 /// A pipeline from entry point `vertex` to entry point `fragment`; nearer (greater) depth wins.
-fn drawing_pipeline(device: &wgpu::Device, output: Output, drawing: &Drawing<'_>) -> wgpu::RenderPipeline {
-    drawing_pipeline_with(device, output, drawing, Entries::default())
+fn render_pipeline(device: &wgpu::Device, output: Output, options: &PipelineOptions<'_>) -> wgpu::RenderPipeline {
+    render_pipeline_with(device, output, options, EntryPoints::default())
 }
 
-/// As [`drawing_pipeline`], with the given entry points and use of depth.
-fn drawing_pipeline_with(
+/// As [`render_pipeline`], with the given entry points and use of depth.
+fn render_pipeline_with(
     device: &wgpu::Device,
     output: Output,
-    drawing: &Drawing<'_>,
-    entries: Entries,
+    options: &PipelineOptions<'_>,
+    entries: EntryPoints,
 ) -> wgpu::RenderPipeline {
-    let module = drawing.shader.module(device);
-    let options = wgpu::PipelineCompilationOptions { constants: drawing.constants, ..Default::default() };
+    let module = options.shader.module(device);
+    let compilation_options = wgpu::PipelineCompilationOptions { constants: options.constants, ..Default::default() };
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(drawing.shader.name),
-        bind_group_layouts: drawing.layouts,
+        label: Some(options.shader.name),
+        bind_group_layouts: options.layouts,
         immediate_size: 0,
     });
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(drawing.shader.name),
+        label: Some(options.shader.name),
         layout: Some(&layout),
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some(entries.vertex),
-            compilation_options: options.clone(),
-            buffers: drawing.buffers,
+            compilation_options: compilation_options.clone(),
+            buffers: options.buffers,
         },
-        primitive: wgpu::PrimitiveState { topology: drawing.topology, cull_mode: drawing.cull, ..Default::default() },
+        primitive: wgpu::PrimitiveState { topology: options.topology, cull_mode: options.cull, ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
-            depth_write_enabled: Some(drawing.writes_depth),
+            depth_write_enabled: Some(options.writes_depth),
             depth_compare: Some(entries.compare),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
@@ -116,10 +116,10 @@ fn drawing_pipeline_with(
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some(entries.fragment),
-            compilation_options: options.clone(),
+            compilation_options: compilation_options.clone(),
             targets: &[Some(wgpu::ColorTargetState {
                 format: output.format,
-                blend: drawing.blend,
+                blend: options.blend,
                 write_mask: wgpu::ColorWrites::ALL,
             })],
         }),

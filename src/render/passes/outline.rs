@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::silhouette::SilhouettePass;
-use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use super::{EntryPoints, overlay_options, render_pipeline_with, vertex_layout};
 use crate::render::device::Device;
 use crate::render::error::RenderError;
 use crate::render::layout::{DeformedVertex, LineSet, SegmentInstance, SolidInstance, SolidVertex};
@@ -21,14 +21,14 @@ use crate::view::overlay::Segment;
 use crate::view::{DrawList, Selected, Solid};
 
 /// Width of the outline, pixels.
-const WIDTH: f32 = 2.5;
+const WIDTH_PIXELS: f32 = 2.5;
 /// Opacity of the outline behind other things, as a share.
-const HIDDEN: f32 = 0.35;
+const HIDDEN_OPACITY: f32 = 0.35;
 /// Lines around a circle.
-const SIDES: u16 = 128;
+const CIRCLE_SIDES: u16 = 128;
 /// If a point's depth ahead of the eye, which looks at the middle, is below this share of its distance, the eye is among the
 /// points.
-const NEAREST: f32 = 1e-3;
+const MIN_DEPTH_SHARE: f32 = 1e-3;
 /// The mask stores how much of a pixel the selected thing covers.
 const MASK_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
 
@@ -46,8 +46,8 @@ pub(in crate::render) struct OutlinePass {
     mask: Option<Mask>,
     silhouette: SilhouettePass,
     segments: UploadCache<Segment>,
-    around: Option<Around>,
-    ready: Option<Ready>,
+    solid_outline: Option<SolidOutline>,
+    prepared: Option<Prepared>,
 }
 
 /// The mask of one size of picture.
@@ -62,7 +62,7 @@ struct Mask {
 
 /// The lines around a solid, kept until it or the eye moves.
 #[derive(Debug)]
-struct Around {
+struct SolidOutline {
     solid: Solid,
     eye: Vec3,
     segments: Arc<Vec<Segment>>,
@@ -70,7 +70,7 @@ struct Around {
 
 /// The thing outlined in this frame.
 #[derive(Debug)]
-struct Ready {
+struct Prepared {
     selected: Selected,
     /// The lines around an obstacle and their number; those of a body are found on the device.
     placed: Option<(wgpu::Buffer, u32)>,
@@ -111,10 +111,10 @@ impl OutlinePass {
         let pairs = [Some(vertex_layout::<[u32; 2]>(instance, &pair))];
         let segments = [Some(vertex_layout::<SegmentInstance>(instance, &SegmentInstance::ATTRIBUTES))];
         let pipelines = |vertex, buffers| {
-            [Entries::HIDDEN, Entries::SEEN].map(|entries| {
+            [EntryPoints::HIDDEN, EntryPoints::VISIBLE].map(|entries| {
                 let strip = wgpu::PrimitiveTopology::TriangleStrip;
-                let drawing = overlay_drawing(shader::OUTLINE, strip, &layouts, buffers, false);
-                drawing_pipeline_with(device, output, &drawing, Entries { vertex, ..entries })
+                let options = overlay_options(shader::OUTLINE, strip, &layouts, buffers, false);
+                render_pipeline_with(device, output, &options, EntryPoints { vertex, ..entries })
             })
         };
         let vertex = wgpu::VertexStepMode::Vertex;
@@ -134,8 +134,8 @@ impl OutlinePass {
             mask: None,
             silhouette: SilhouettePass::new(device),
             segments: UploadCache::new("segments"),
-            around: None,
-            ready: None,
+            solid_outline: None,
+            prepared: None,
         }
     }
 
@@ -148,20 +148,20 @@ impl OutlinePass {
         meshes: &MeshBuffers,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
-        self.ready = None;
+        self.prepared = None;
         self.segments.begin();
         let [r, g, b] = draw_list.style.overlay.accent;
-        let width = 2.0 * WIDTH * draw_list.overlay.scale;
-        let mut look = LineSet { color: [r, g, b, 1.0], width, hidden: HIDDEN, ..LineSet::default() };
+        let width = 2.0 * WIDTH_PIXELS * draw_list.overlay.scale;
+        let mut style = LineSet { color: [r, g, b, 1.0], width, hidden: HIDDEN_OPACITY, ..LineSet::default() };
         let found = match draw_list.selected {
             Some(Selected::Skin(index)) => meshes.skins.get(index).map(|skin| {
-                look.stride = DeformedVertex::STRIDE;
+                style.stride = DeformedVertex::STRIDE;
                 let eye = draw_list.camera.eye;
                 self.silhouette.prepare(Device { device, queue }, skin, eye, bytes_counted)?;
                 Ok((skin.deformed.clone(), None))
             }),
             Some(Selected::Solid(index)) => draw_list.solids.get(index).zip(meshes.particles()).map(|(solid, any)| {
-                let segments = around(&mut self.around, solid, draw_list.camera.eye);
+                let segments = outline_segments(&mut self.solid_outline, solid, draw_list.camera.eye);
                 let bytes_of = |segments: &[Segment]| {
                     let instances: Vec<SegmentInstance> = segments.iter().map(SegmentInstance::from).collect();
                     bytemuck::cast_slice(&instances).to_vec()
@@ -182,11 +182,11 @@ impl OutlinePass {
             self.styles.keep(0);
             return Ok(());
         };
-        self.styles.set(device, queue, 0, bytemuck::bytes_of(&look), &positions, bytes_counted);
+        self.styles.set(device, queue, 0, bytemuck::bytes_of(&style), &positions, bytes_counted);
         if self.mask.as_ref().is_none_or(|mask| mask.size != size) {
             self.mask = Some(Mask::new(device, &self.mask_layout, self.output.quality.samples(), size));
         }
-        self.ready = Some(Ready { selected, placed });
+        self.prepared = Some(Prepared { selected, placed });
         Ok(())
     }
 
@@ -198,7 +198,7 @@ impl OutlinePass {
         viewport: Viewport,
         masked: Masked<'_>,
     ) -> bool {
-        let (Some(ready), Some(mask)) = (&self.ready, &self.mask) else { return false };
+        let (Some(prepared), Some(mask)) = (&self.prepared, &self.mask) else { return false };
         self.silhouette.run(encoder);
         let (view, resolve_target, store) = match &mask.samples {
             Some(samples) => (samples, Some(&mask.view), wgpu::StoreOp::Discard),
@@ -218,7 +218,7 @@ impl OutlinePass {
         pass.set_viewport(x as f32, y as f32, width as f32, height as f32, 0.0, 1.0);
         pass.set_scissor_rect(x, y, width, height);
         pass.set_bind_group(0, frame, &[]);
-        match ready.selected {
+        match prepared.selected {
             Selected::Skin(index) => {
                 if let Some(skin) = masked.skins.get(index) {
                     pass.set_pipeline(&self.mask_body);
@@ -237,10 +237,10 @@ impl OutlinePass {
 
     /// Draws the lines into the picture.
     pub(in crate::render) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        let (Some(ready), Some(mask)) = (&self.ready, &self.mask) else { return };
+        let (Some(prepared), Some(mask)) = (&self.prepared, &self.mask) else { return };
         pass.set_bind_group(1, self.styles.get(0), &[]);
         pass.set_bind_group(2, &mask.bind_group, &[]);
-        match &ready.placed {
+        match &prepared.placed {
             Some((segments, count)) => {
                 pass.set_vertex_buffer(0, segments.slice(..));
                 for pipeline in &self.placed {
@@ -311,7 +311,7 @@ fn mask_pipeline(
 }
 
 /// The lines around a solid, renewed when it or the eye has moved.
-fn around(kept: &mut Option<Around>, solid: &Solid, eye: Vec3) -> Arc<Vec<Segment>> {
+fn outline_segments(kept: &mut Option<SolidOutline>, solid: &Solid, eye: Vec3) -> Arc<Vec<Segment>> {
     if let Some(around) = kept.as_ref().filter(|around| around.solid == *solid && around.eye == eye) {
         return Arc::clone(&around.segments);
     }
@@ -319,21 +319,21 @@ fn around(kept: &mut Option<Around>, solid: &Solid, eye: Vec3) -> Arc<Vec<Segmen
         Solid::Plane { center, axes: [u, v], half_extents: [a, b] } => {
             [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| center + u * a * x + v * b * y).to_vec()
         }
-        Solid::Sphere { center, radius } => silhouette(center, radius, eye),
+        Solid::Sphere { center, radius } => sphere_silhouette(center, radius, eye),
         Solid::Box { center, axes: [u, v, w], half_extents: [a, b, c] } => {
             let corner = |signs: [f32; 3]| center + u * (a * signs[0]) + v * (b * signs[1]) + w * (c * signs[2]);
             let corners = (0..8_u8).map(|bits| [1, 2, 4].map(|bit| if bits & bit == 0 { -1.0 } else { 1.0 }));
-            seen_around(corners.map(corner).collect(), eye)
+            outline_points(corners.map(corner).collect(), eye)
         }
         Solid::Cylinder { center, arm, radius } => {
             let (u, v) = arm.normalize_or(Vec3::Y).any_orthonormal_pair();
             let rim = |end: Vec3| circle(end, u * radius, v * radius);
-            seen_around(rim(center - arm).chain(rim(center + arm)).collect(), eye)
+            outline_points(rim(center - arm).chain(rim(center + arm)).collect(), eye)
         }
         Solid::Capsule { center, arm, radius } => {
-            let ends = [center - arm, center + arm].map(|end| silhouette(end, radius, eye));
+            let ends = [center - arm, center + arm].map(|end| sphere_silhouette(end, radius, eye));
             // Seen from within one of the balls there is no outline.
-            if ends.iter().any(Vec::is_empty) { Vec::new() } else { seen_around(ends.concat(), eye) }
+            if ends.iter().any(Vec::is_empty) { Vec::new() } else { outline_points(ends.concat(), eye) }
         }
         Solid::Mesh { .. } => Vec::new(),
     };
@@ -347,12 +347,12 @@ fn around(kept: &mut Option<Around>, solid: &Solid, eye: Vec3) -> Arc<Vec<Segmen
         corners.iter().zip(next).map(|(&a, &b)| segment(a, b)).collect()
     };
     let segments: Arc<Vec<Segment>> = Arc::new(segments);
-    *kept = Some(Around { solid: solid.clone(), eye, segments: Arc::clone(&segments) });
+    *kept = Some(SolidOutline { solid: solid.clone(), eye, segments: Arc::clone(&segments) });
     segments
 }
 
 /// The circle in which lines of sight touch a sphere; no points if the eye is inside.
-fn silhouette(center: Vec3, radius: f32, eye: Vec3) -> Vec<Vec3> {
+fn sphere_silhouette(center: Vec3, radius: f32, eye: Vec3) -> Vec<Vec3> {
     let to_eye = eye - center;
     let share = radius / to_eye.length();
     if share.is_nan() || share >= 1.0 {
@@ -365,20 +365,21 @@ fn silhouette(center: Vec3, radius: f32, eye: Vec3) -> Vec<Vec3> {
 
 /// The points of a circle with these two arms.
 fn circle(center: Vec3, u: Vec3, v: Vec3) -> impl Iterator<Item = Vec3> {
-    let side = |side: u16| (TAU * f32::from(side) / f32::from(SIDES)).sin_cos();
-    (0..SIDES).map(side).map(move |(sin, cos)| center + u * cos + v * sin)
+    let side = |side: u16| (TAU * f32::from(side) / f32::from(CIRCLE_SIDES)).sin_cos();
+    (0..CIRCLE_SIDES).map(side).map(move |(sin, cos)| center + u * cos + v * sin)
 }
 
 /// Those points of a convex thing that lie on its outline as the eye sees it, in order (the convex hull of the projected
 /// points, by Andrew's monotone chains); none if the eye is among the points.
-fn seen_around(points: Vec<Vec3>, eye: Vec3) -> Vec<Vec3> {
+fn outline_points(points: Vec<Vec3>, eye: Vec3) -> Vec<Vec3> {
     let middle = points.iter().sum::<Vec3>() / points.len() as f32;
     let Some(ahead) = (middle - eye).try_normalize() else { return Vec::new() };
     let (right, up) = ahead.any_orthonormal_pair();
     let seen = |point: Vec3| {
         let offset = point - eye;
         let depth = offset.dot(ahead);
-        (depth > NEAREST * offset.length()).then(|| (Vec2::new(offset.dot(right), offset.dot(up)) / depth, point))
+        (depth > MIN_DEPTH_SHARE * offset.length())
+            .then(|| (Vec2::new(offset.dot(right), offset.dot(up)) / depth, point))
     };
     let Some(mut seen) = points.into_iter().map(seen).collect::<Option<Vec<(Vec2, Vec3)>>>() else {
         return Vec::new();
@@ -408,34 +409,34 @@ mod tests {
     #[test]
     fn lines_of_sight_touch_the_sphere_where_its_outline_runs() {
         let (center, radius, eye) = (Vec3::new(0.3, 1.0, -2.0), 0.7, Vec3::new(1.0, 2.0, 1.5));
-        for point in silhouette(center, radius, eye) {
+        for point in sphere_silhouette(center, radius, eye) {
             assert!((point.distance(center) - radius).abs() < 1e-5, "{point} lies on the sphere");
             let off = (point - center).normalize().dot((eye - point).normalize());
             assert!(off.abs() < 1e-4, "the line of sight is a tangent there: {off}");
         }
-        assert_eq!(silhouette(center, radius, center + Vec3::X * 0.5), [], "from within there is none");
+        assert_eq!(sphere_silhouette(center, radius, center + Vec3::X * 0.5), [], "from within there is none");
     }
 
     #[test]
     fn corners_that_are_seen_in_front_of_a_box_are_not_around_it() {
         let corners: Vec<Vec3> =
             (0..8_u8).map(|bits| [1, 2, 4].map(|bit| if bits & bit == 0 { -1.0 } else { 1.0 }).into()).collect();
-        let around = seen_around(corners.clone(), Vec3::new(4.0, 5.0, 6.0));
+        let around = outline_points(corners.clone(), Vec3::new(4.0, 5.0, 6.0));
         assert_eq!(around.len(), 6, "of a box seen aslant: {around:?}");
         assert!(
             !around.contains(&Vec3::ONE) && !around.contains(&Vec3::NEG_ONE),
             "neither the nearest nor the farthest"
         );
-        assert_eq!(seen_around(corners.clone(), Vec3::Z * 5.0).len(), 4, "of a box seen straight");
-        assert_eq!(seen_around(corners, Vec3::X * 0.2), [], "from within there is none");
+        assert_eq!(outline_points(corners.clone(), Vec3::Z * 5.0).len(), 4, "of a box seen straight");
+        assert_eq!(outline_points(corners, Vec3::X * 0.2), [], "from within there is none");
     }
 
     #[test]
     fn the_lines_around_a_solid_are_kept_until_something_moves() {
         let solid = Solid::Sphere { center: Vec3::ZERO, radius: 1.0 };
         let mut kept = None;
-        let first = around(&mut kept, &solid, Vec3::Z * 3.0);
-        assert!(Arc::ptr_eq(&first, &around(&mut kept, &solid, Vec3::Z * 3.0)), "nothing has moved");
-        assert!(!Arc::ptr_eq(&first, &around(&mut kept, &solid, Vec3::Z * 4.0)), "the eye has");
+        let first = outline_segments(&mut kept, &solid, Vec3::Z * 3.0);
+        assert!(Arc::ptr_eq(&first, &outline_segments(&mut kept, &solid, Vec3::Z * 3.0)), "nothing has moved");
+        assert!(!Arc::ptr_eq(&first, &outline_segments(&mut kept, &solid, Vec3::Z * 4.0)), "the eye has");
     }
 }

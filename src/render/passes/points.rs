@@ -1,7 +1,7 @@
 //! Overlay points: at particles, or at places in the world.
 
-use super::all_with;
-use super::{Entries, drawing_pipeline_with, overlay_drawing, vertex_layout};
+use super::with_scale;
+use super::{EntryPoints, overlay_options, render_pipeline_with, vertex_layout};
 use crate::render::device::Device;
 use crate::render::error::RenderError;
 use crate::render::layout::PointSet;
@@ -39,22 +39,25 @@ impl PointsPass {
         let layouts = [Some(frame), Some(styles.layout())];
         let place = wgpu::vertex_attr_array![0 => Float32x3];
         let places = [Some(vertex_layout::<[f32; 3]>(wgpu::VertexStepMode::Instance, &place))];
-        let pipeline = |vertex, buffers, entries: Entries| {
-            let drawing = overlay_drawing(
+        let pipeline = |vertex, buffers, entries: EntryPoints| {
+            let options = overlay_options(
                 shader::POINTS,
                 wgpu::PrimitiveTopology::TriangleStrip,
                 &layouts,
                 buffers,
                 entries.writes_depth,
             );
-            drawing_pipeline_with(device, output, &drawing, Entries { vertex, ..entries })
+            render_pipeline_with(device, output, &options, EntryPoints { vertex, ..entries })
         };
         Self {
             carried: [
-                pipeline("carried", &[], Entries { writes_depth: true, ..Entries::SEEN }),
-                pipeline("carried", &[], Entries::HIDDEN),
+                pipeline("carried", &[], EntryPoints { writes_depth: true, ..EntryPoints::VISIBLE }),
+                pipeline("carried", &[], EntryPoints::HIDDEN),
             ],
-            placed: [pipeline("placed", &places, Entries::SEEN), pipeline("placed", &places, Entries::HIDDEN)],
+            placed: [
+                pipeline("placed", &places, EntryPoints::VISIBLE),
+                pipeline("placed", &places, EntryPoints::HIDDEN),
+            ],
             styles,
             places: UploadCache::new("points"),
             sets: Vec::new(),
@@ -73,7 +76,7 @@ impl PointsPass {
         self.sets.clear();
         self.places.begin();
         if let Some(positions) = meshes.particles() {
-            for (points, scale) in overlays.into_iter().flat_map(|overlay| all_with(&overlay.points, overlay.scale)) {
+            for (points, scale) in overlays.into_iter().flat_map(|overlay| with_scale(&overlay.points, overlay.scale)) {
                 let Points { places, tint, size, hidden } = points;
                 let (buffer, first, count) = match places {
                     PointPlaces::Particles { first, count } => (None, *first, *count),
@@ -83,14 +86,14 @@ impl PointsPass {
                         (Some(buffer), 0, u32::try_from(places.len()).unwrap_or(u32::MAX))
                     }
                 };
-                let look = PointSet {
+                let style = PointSet {
                     color: colors.of(*tint, 1.0),
                     size: size * scale,
                     hidden: *hidden,
                     first,
                     ..PointSet::default()
                 };
-                let content = bytemuck::bytes_of(&look);
+                let content = bytemuck::bytes_of(&style);
                 self.styles.set(device, queue, self.sets.len(), content, positions, bytes_counted);
                 self.sets.push(Prepared { places: buffer, count, has_hidden: *hidden > 0.0 });
             }

@@ -3,7 +3,7 @@
 use super::depth::{Casters, DepthPass};
 use crate::math::Aabb;
 use crate::render::shader;
-use crate::render::shadow_fit::casts;
+use crate::render::shadow_fit::casts_shadow;
 
 /// Draws the shadow map.
 #[derive(Debug)]
@@ -29,6 +29,6 @@ impl ShadowPass {
         casters: Casters<'_>,
         core: Aabb<f32>,
     ) {
-        self.depth.run(encoder, frame, casters, |solid| casts(solid, core));
+        self.depth.run(encoder, frame, casters, |solid| casts_shadow(solid, core));
     }
 }

@@ -13,18 +13,18 @@ use crate::render::shader;
 use crate::view::Skin;
 
 /// Invocations of a workgroup in `silhouette.wgsl`.
-const WORKGROUP: u32 = 64;
+const WORKGROUP_SIZE: u32 = 64;
 /// The most workgroups along one direction that every device takes.
-const MOST_GROUPS: u32 = 65_535;
+const MAX_WORKGROUPS: u32 = 65_535;
 /// The indirect draw: a strip of four corners per edge; the device fills in the number of edges.
-const STRIP: [u32; 4] = [4, 0, 0, 0];
+const STRIP_DRAW: [u32; 4] = [4, 0, 0, 0];
 
 /// Finds silhouettes.
 #[derive(Debug)]
 pub(super) struct SilhouettePass {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
-    of: Option<Silhouette>,
+    current: Option<Silhouette>,
 }
 
 /// The silhouette of one skin.
@@ -72,7 +72,7 @@ impl SilhouettePass {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        Self { pipeline, layout, of: None }
+        Self { pipeline, layout, current: None }
     }
 
     /// Prepares to find the silhouette of a skin; counts what is uploaded. A skin without edges has no silhouette.
@@ -83,15 +83,17 @@ impl SilhouettePass {
         eye: Vec3,
         bytes_counted: &mut u64,
     ) -> Result<(), RenderError> {
-        let fits = |of: &&mut Silhouette| Arc::ptr_eq(&of.source, skin.source()) && of.deformed == skin.deformed;
-        if let Some(of) = self.of.as_mut().filter(fits) {
-            if of.seen_from != eye {
-                of.seen_from = eye;
-                queue.write_buffer(&of.eye, 0, bytemuck::bytes_of(&padded(eye)));
+        let fits = |silhouette: &&mut Silhouette| {
+            Arc::ptr_eq(&silhouette.source, skin.source()) && silhouette.deformed == skin.deformed
+        };
+        if let Some(silhouette) = self.current.as_mut().filter(fits) {
+            if silhouette.seen_from != eye {
+                silhouette.seen_from = eye;
+                queue.write_buffer(&silhouette.eye, 0, bytemuck::bytes_of(&padded(eye)));
             }
             return Ok(());
         }
-        self.of = None;
+        self.current = None;
         let folds = skin.source().folds();
         let (bytes, limits) = (size_of_val(folds) as u64, device.limits());
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
@@ -111,7 +113,7 @@ impl SilhouettePass {
             mapped_at_creation: false,
         });
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT;
-        let draw = filled(device, queue, "silhouette's draw", bytemuck::bytes_of(&STRIP), usage);
+        let draw = filled(device, queue, "silhouette's draw", bytemuck::bytes_of(&STRIP_DRAW), usage);
         let buffers = [&uniform, &edges, &skin.deformed, &found, &draw];
         let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
             .zip(buffers)
@@ -122,7 +124,7 @@ impl SilhouettePass {
             layout: &self.layout,
             entries: &entries,
         });
-        self.of = Some(Silhouette {
+        self.current = Some(Silhouette {
             source: Arc::clone(skin.source()),
             deformed: skin.deformed.clone(),
             edges: u32::try_from(folds.len()).unwrap_or(u32::MAX),
@@ -137,26 +139,26 @@ impl SilhouettePass {
 
     /// Forgets the skin.
     pub(super) fn forget(&mut self) {
-        self.of = None;
+        self.current = None;
     }
 
     /// Finds the silhouette of the skin as it is deformed now.
     pub(super) fn run(&self, encoder: &mut wgpu::CommandEncoder) {
-        let Some(of) = &self.of else { return };
-        encoder.clear_buffer(&of.draw, 4, Some(4));
+        let Some(silhouette) = &self.current else { return };
+        encoder.clear_buffer(&silhouette.draw, 4, Some(4));
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("silhouette"), timestamp_writes: None });
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &of.bind_group, &[]);
-        let groups = of.edges.div_ceil(WORKGROUP);
-        pass.dispatch_workgroups(groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1);
+        pass.set_bind_group(0, &silhouette.bind_group, &[]);
+        let groups = silhouette.edges.div_ceil(WORKGROUP_SIZE);
+        pass.dispatch_workgroups(groups.min(MAX_WORKGROUPS), groups.div_ceil(MAX_WORKGROUPS), 1);
     }
 
     /// Draws a strip for every edge found; the instance holds the ends of the edge.
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if let Some(of) = &self.of {
-            pass.set_vertex_buffer(0, of.found.slice(..));
-            pass.draw_indirect(&of.draw, 0);
+        if let Some(silhouette) = &self.current {
+            pass.set_vertex_buffer(0, silhouette.found.slice(..));
+            pass.draw_indirect(&silhouette.draw, 0);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Obstacles: planes in two parts, one that shadows may fall on and the rest, and closed shapes.
 
-use super::{Drawing, Entries, drawing_pipeline_with, vertex_layout};
+use super::{EntryPoints, PipelineOptions, render_pipeline_with, vertex_layout};
 use crate::render::layout::{SolidInstance, SolidVertex};
 use crate::render::shader;
 use crate::render::shapes::Shapes;
@@ -22,7 +22,7 @@ impl SolidPass {
         layouts: &[Option<&wgpu::BindGroupLayout>],
     ) -> Self {
         let lighting = output.quality.lighting_constants();
-        let drawing = Drawing {
+        let options = PipelineOptions {
             shader: shader::SOLID,
             constants: &lighting,
             layouts,
@@ -35,17 +35,17 @@ impl SolidPass {
             blend: None,
             cull: None,
         };
-        let pipeline = |vertex, fragment, drawing: &Drawing<'_>| {
-            drawing_pipeline_with(
+        let pipeline = |vertex, fragment, options: &PipelineOptions<'_>| {
+            render_pipeline_with(
                 device,
                 output,
-                drawing,
-                Entries { vertex, fragment, writes_depth: true, ..Entries::default() },
+                options,
+                EntryPoints { vertex, fragment, writes_depth: true, ..EntryPoints::default() },
             )
         };
-        let closed = Drawing { cull: Some(wgpu::Face::Back), ..drawing };
+        let closed = PipelineOptions { cull: Some(wgpu::Face::Back), ..options };
         Self {
-            planes: ["shadowed_plane", "bare_plane"].map(|fragment| pipeline("plane", fragment, &drawing)),
+            planes: ["shadowed_plane", "bare_plane"].map(|fragment| pipeline("plane", fragment, &options)),
             closed: pipeline("closed", "closed_fragment", &closed),
         }
     }

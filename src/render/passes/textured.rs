@@ -1,10 +1,10 @@
 //! The parts of bodies that have pictures. Pipelines are compiled when the first picture is shown, so a scene without
 //! pictures pays nothing.
 
-use super::mesh::{Triangles, by_constant};
-use super::{Drawing, Entries, drawing_pipeline_with, vertex_layout};
+use super::mesh::{Triangles, blend_by_constant};
+use super::{EntryPoints, PipelineOptions, render_pipeline_with, vertex_layout};
 use crate::render::device::Device;
-use crate::render::layout::{BodyInstance, DeformedVertex, PLACE_ATTRIBUTES};
+use crate::render::layout::{BodyInstance, DeformedVertex, TEXTURE_COORDINATE_ATTRIBUTES};
 use crate::render::mesh_buffers::SkinBuffers;
 use crate::render::shader;
 use crate::render::target::Output;
@@ -17,23 +17,23 @@ pub(in crate::render) struct TexturedPass {
     output: Output,
     /// The layouts of groups 0 and 1.
     layouts: [wgpu::BindGroupLayout; 2],
-    made: Option<Made>,
+    resources: Option<Resources>,
     /// The pictures of every skin, one per run of triangles; empty where none are shown.
-    ready: Vec<Vec<wgpu::BindGroup>>,
+    bind_groups: Vec<Vec<wgpu::BindGroup>>,
 }
 
 /// The parts that are made when the first picture is shown.
 #[derive(Debug)]
-struct Made {
+struct Resources {
     textures: TextureCache,
     /// The same kinds of pipelines as in [`super::mesh::MeshPass`].
     pipelines: [wgpu::RenderPipeline; 2],
-    sheer: wgpu::RenderPipeline,
+    translucent: wgpu::RenderPipeline,
 }
 
 impl TexturedPass {
     pub(in crate::render) fn new(output: Output, layouts: [&wgpu::BindGroupLayout; 2]) -> Self {
-        Self { output, layouts: layouts.map(Clone::clone), made: None, ready: Vec::new() }
+        Self { output, layouts: layouts.map(Clone::clone), resources: None, bind_groups: Vec::new() }
     }
 
     /// Brings the device up to date with the pictures of a draw list; counts what is uploaded. No pictures are shown or
@@ -45,28 +45,29 @@ impl TexturedPass {
         skins: &[SkinBuffers],
         bytes_counted: &mut u64,
     ) {
-        self.ready.clear();
+        self.bind_groups.clear();
         let runs = skins.iter().filter_map(|skin| skin.source().textures()).flat_map(|textures| &textures.runs);
         if runs.clone().next().is_some() && draw_list.painted && draw_list.scalars.is_none() {
-            let made = self.made.get_or_insert_with(|| Made::new(gpu.device, self.output, &self.layouts));
+            let resources =
+                self.resources.get_or_insert_with(|| Resources::new(gpu.device, self.output, &self.layouts));
             let bound = |skin: &SkinBuffers| {
                 let runs = skin.source().textures().map_or(&[][..], |textures| &textures.runs);
-                runs.iter().map(|run| made.textures.get(gpu, &run.texture, bytes_counted)).collect()
+                runs.iter().map(|run| resources.textures.get(gpu, &run.texture, bytes_counted)).collect()
             };
-            self.ready.extend(skins.iter().map(bound));
+            self.bind_groups.extend(skins.iter().map(bound));
         }
-        if let Some(made) = &mut self.made {
-            made.textures.keep(&runs.map(|run| &run.texture).collect::<Vec<_>>());
+        if let Some(resources) = &mut self.resources {
+            resources.textures.keep(&runs.map(|run| &run.texture).collect::<Vec<_>>());
         }
     }
 
     /// Whether any pictures are shown.
     pub(in crate::render) fn shows_any(&self) -> bool {
-        !self.ready.is_empty()
+        !self.bind_groups.is_empty()
     }
 
     /// The triangles left to draw without pictures.
-    pub(in crate::render) fn others(&self) -> Triangles {
+    pub(in crate::render) fn remaining_triangles(&self) -> Triangles {
         if self.shows_any() { Triangles::Plain } else { Triangles::All }
     }
 
@@ -77,20 +78,20 @@ impl TexturedPass {
         skins: &[SkinBuffers],
         instances: &wgpu::Buffer,
     ) {
-        for pipeline in self.made.iter().flat_map(|made| &made.pipelines) {
+        for pipeline in self.resources.iter().flat_map(|resources| &resources.pipelines) {
             self.draw_with(pipeline, pass, skins, instances);
         }
     }
 
     /// As [`TexturedPass::draw`], but blended over the picture with the blend constant of the pass.
-    pub(in crate::render) fn draw_sheer(
+    pub(in crate::render) fn draw_translucent(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         skins: &[SkinBuffers],
         instances: &wgpu::Buffer,
     ) {
-        if let Some(made) = &self.made {
-            self.draw_with(&made.sheer, pass, skins, instances);
+        if let Some(resources) = &self.resources {
+            self.draw_with(&resources.translucent, pass, skins, instances);
         }
     }
 
@@ -106,10 +107,13 @@ impl TexturedPass {
         }
         pass.set_pipeline(pipeline);
         pass.set_vertex_buffer(1, instances.slice(..));
-        for ((instance, skin), bound) in (0..).zip(skins).zip(&self.ready) {
-            let Some((places, textures)) = skin.places.as_ref().zip(skin.source().textures()) else { continue };
+        for ((instance, skin), bound) in (0..).zip(skins).zip(&self.bind_groups) {
+            let Some((texture_coordinates, textures)) = skin.texture_coordinates.as_ref().zip(skin.source().textures())
+            else {
+                continue;
+            };
             pass.set_vertex_buffer(0, skin.deformed.slice(..));
-            pass.set_vertex_buffer(2, places.slice(..));
+            pass.set_vertex_buffer(2, texture_coordinates.slice(..));
             pass.set_index_buffer(skin.indices.slice(..), wgpu::IndexFormat::Uint32);
             for (run, texture) in textures.runs.iter().zip(bound) {
                 pass.set_bind_group(2, texture, &[]);
@@ -119,7 +123,7 @@ impl TexturedPass {
     }
 }
 
-impl Made {
+impl Resources {
     fn new(device: &wgpu::Device, output: Output, [frame, lighting]: &[wgpu::BindGroupLayout; 2]) -> Self {
         let textures = TextureCache::new(device);
         let layouts = [Some(frame), Some(lighting), Some(textures.layout())];
@@ -127,10 +131,10 @@ impl Made {
         let buffers = [
             Some(vertex_layout::<DeformedVertex>(per_vertex, &DeformedVertex::ATTRIBUTES)),
             Some(vertex_layout::<BodyInstance>(wgpu::VertexStepMode::Instance, &BodyInstance::ATTRIBUTES)),
-            Some(vertex_layout::<[f32; 2]>(per_vertex, &PLACE_ATTRIBUTES)),
+            Some(vertex_layout::<[f32; 2]>(per_vertex, &TEXTURE_COORDINATE_ATTRIBUTES)),
         ];
         let constants = output.quality.lighting_constants();
-        let drawing = |cull| Drawing {
+        let options = |cull| PipelineOptions {
             shader: shader::TEXTURED,
             constants: &constants,
             layouts: &layouts,
@@ -140,12 +144,14 @@ impl Made {
             blend: None,
             cull: Some(cull),
         };
-        let entries = Entries { vertex: "textured_vertex", fragment: "textured_fragment", ..Entries::default() };
-        let pipeline = |drawing: &Drawing<'_>| drawing_pipeline_with(device, output, drawing, entries);
-        let sheer = Drawing { writes_depth: false, blend: Some(by_constant()), ..drawing(wgpu::Face::Back) };
-        let pipelines = [wgpu::Face::Back, wgpu::Face::Front].map(|cull| pipeline(&drawing(cull)));
-        let sheer = pipeline(&sheer);
-        Self { textures, pipelines, sheer }
+        let entries =
+            EntryPoints { vertex: "textured_vertex", fragment: "textured_fragment", ..EntryPoints::default() };
+        let pipeline = |options: &PipelineOptions<'_>| render_pipeline_with(device, output, options, entries);
+        let translucent =
+            PipelineOptions { writes_depth: false, blend: Some(blend_by_constant()), ..options(wgpu::Face::Back) };
+        let pipelines = [wgpu::Face::Back, wgpu::Face::Front].map(|cull| pipeline(&options(cull)));
+        let translucent = pipeline(&translucent);
+        Self { textures, pipelines, translucent }
     }
 }
 

@@ -14,10 +14,10 @@ use crate::physics::{Plan, Quantity, Simulation};
 use crate::scene::{Family, Material, Scene};
 
 /// How often every variant is measured; and how often where a substep takes long.
-const ROUNDS: [usize; 2] = [15, 7];
+const ROUND_COUNTS: [usize; 2] = [15, 7];
 
 /// A simulation whose substep takes longer than this is measured less often, s.
-const LONG_SECS: f64 = 0.02;
+const LONG_SUBSTEP_SECS: f64 = 0.02;
 
 /// About the time of the substeps that are measured in one go, s: short, so that little else comes between.
 const SLICE_SECS: f64 = 2e-3;
@@ -53,7 +53,7 @@ impl Ablation {
 struct Variant {
     feature: String,
     /// Whether this variant has the feature and the common simulation has not; otherwise it is the other way round.
-    has_it: bool,
+    has_feature: bool,
     simulation: Simulation<f32>,
     must_be_same: bool,
 }
@@ -67,7 +67,7 @@ pub(super) fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[
     let plan = awake.plan();
     let mut variants = Vec::new();
     let mut compare = |feature: &str, must_be_same, simulation| {
-        variants.push(Variant { feature: feature.to_owned(), has_it: false, simulation, must_be_same });
+        variants.push(Variant { feature: feature.to_owned(), has_feature: false, simulation, must_be_same });
     };
     let planned = |change: fn(&mut Plan)| {
         let mut changed = awake.clone();
@@ -108,12 +108,12 @@ pub(super) fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[
     if simulation.plan().sleeping {
         variants.push(Variant {
             feature: "sleeping".to_owned(),
-            has_it: true,
+            has_feature: true,
             simulation: simulation.clone(),
             must_be_same: !simulation.is_asleep(),
         });
     }
-    let mut rows = measured(&awake, variants);
+    let mut rows = measure_variants(&awake, variants);
     rows.push(colours(&awake));
     rows
 }
@@ -150,9 +150,10 @@ fn moving_substep(simulation: &mut Simulation<f32>) -> u64 {
 
 /// Times all variants in turn, again and again, so that other load of the machine meets all of them. Every other round goes
 /// backwards, so that a variant does not always follow the same one.
-fn measured(all: &Simulation<f32>, variants: Vec<Variant>) -> Vec<Ablation> {
-    let Measure { substeps, rounds } = Measure::of(all);
-    let simulations: Vec<_> = std::iter::once(all).chain(variants.iter().map(|variant| &variant.simulation)).collect();
+fn measure_variants(common: &Simulation<f32>, variants: Vec<Variant>) -> Vec<Ablation> {
+    let TimingPlan { substeps, rounds } = TimingPlan::of(common);
+    let simulations: Vec<_> =
+        std::iter::once(common).chain(variants.iter().map(|variant| &variant.simulation)).collect();
     let mut times = vec![Vec::new(); simulations.len()];
     let mut ends = vec![(0, 0); simulations.len()];
     for round in 0..rounds {
@@ -165,7 +166,7 @@ fn measured(all: &Simulation<f32>, variants: Vec<Variant>) -> Vec<Ablation> {
     }
     let row = |(place, variant): (usize, Variant)| {
         let (theirs, ours) = (&times[0], &times[place + 1]);
-        let [on, off] = if variant.has_it { [ours, theirs] } else { [theirs, ours] };
+        let [on, off] = if variant.has_feature { [ours, theirs] } else { [theirs, ours] };
         // If cells were pushed back to shape, leaving out the recovery or looking at the cells more often may change the
         // motion.
         let pushed = ends[0].1 + ends[place + 1].1;
@@ -180,14 +181,14 @@ fn measured(all: &Simulation<f32>, variants: Vec<Variant>) -> Vec<Ablation> {
 }
 
 /// How much is measured.
-pub(super) struct Measure {
+pub(super) struct TimingPlan {
     /// Substeps timed in one go.
     pub(super) substeps: usize,
     /// How often they are timed.
     pub(super) rounds: usize,
 }
 
-impl Measure {
+impl TimingPlan {
     /// Chooses the effort by how long a substep of this simulation takes.
     pub(super) fn of(simulation: &Simulation<f32>) -> Self {
         let (first, _) = timed(simulation, 1);
@@ -195,7 +196,7 @@ impl Measure {
         let secs = first.min(second).max(1e-9);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count")]
         let substeps = (SLICE_SECS / secs).clamp(1.0, 1000.0) as usize;
-        Self { substeps, rounds: ROUNDS[usize::from(secs > LONG_SECS)] }
+        Self { substeps, rounds: ROUND_COUNTS[usize::from(secs > LONG_SUBSTEP_SECS)] }
     }
 }
 
@@ -227,7 +228,7 @@ fn compared(per: &'static str, on: &[f64], off: &[f64]) -> Ablation {
 fn colours(simulation: &Simulation<f32>) -> Ablation {
     let before = simulation.hash();
     let mut times = [Vec::new(), Vec::new()];
-    for _ in 0..ROUNDS[0] {
+    for _ in 0..ROUND_COUNTS[0] {
         for (times, quantity) in times.iter_mut().zip([Some(Quantity::MeanLinkForce), None]) {
             let begin = ThreadTime::now();
             black_box(quantity.map(|quantity| simulation.scalars(quantity)));

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::ablation::{Measure, timed};
+use super::ablation::{TimingPlan, timed};
 use super::noise::{Change, median};
 use crate::geometry::Watch;
 use crate::physics::Simulation;
@@ -61,7 +61,7 @@ fn row(cells: u32, obstacles: usize) -> Result<CrowdRow, ResolveError> {
     }
     let mut without = with.clone();
     without.plan_mut().broad_phase = false;
-    let Measure { substeps, rounds } = Measure::of(&with);
+    let TimingPlan { substeps, rounds } = TimingPlan::of(&with);
     let [mut on, mut off] = [Vec::new(), Vec::new()];
     let mut ends = [0; 2];
     for round in 0..rounds {
@@ -105,8 +105,8 @@ fn crowded(cells: u32, obstacles: usize) -> Scene {
     for ball in 1..obstacles {
         // Every third one stands in the first row, which the cube touches as it widens.
         let angle = ball as f64 * std::f64::consts::TAU / 11.0;
-        let far = ring + radius * (0.35 + (ball % 3) as f64);
-        let center = [far * libm::cos(angle), 0.3, far * libm::sin(angle)];
+        let distance = ring + radius * (0.35 + (ball % 3) as f64);
+        let center = [distance * libm::cos(angle), 0.3, distance * libm::sin(angle)];
         let shape = ObstacleShape::Sphere(Sphere { center, radius: 0.3 });
         scene.obstacles.push(Obstacle { shape, ..Obstacle::default() });
     }

@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 /// Out of this many pairs, one at either end is left out of the spread.
-const ONE_IN: usize = 7;
+const PAIRS_PER_LEFT_OUT: usize = 7;
 
 /// The share by which a feature changes a time: 0.1 is a tenth more with the feature.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -23,7 +23,7 @@ impl Change {
     pub fn of(with: &[f64], without: &[f64]) -> Self {
         let mut shares: Vec<f64> = with.iter().zip(without).map(|(with, without)| with / without - 1.0).collect();
         shares.sort_by(f64::total_cmp);
-        let left_out = shares.len() / ONE_IN;
+        let left_out = shares.len() / PAIRS_PER_LEFT_OUT;
         let at = |place: usize| shares.get(place).copied().unwrap_or(f64::NAN);
         Self { median: median(&shares), low: at(left_out), high: at(shares.len().saturating_sub(left_out + 1)) }
     }

@@ -10,13 +10,13 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::follow::{follow, rms, whole};
+use super::recording::{record_run, rms_distance, rounded_count};
 use super::reference::fine_step;
-use super::{LOOK_SECS, REFERENCE, Way};
+use super::{REFERENCE, SAMPLE_INTERVAL_SECS, SteppingMethod};
 use crate::geometry::Watch;
 use crate::physics::Simulation;
 use crate::report::extremes::lattices;
-use crate::report::statics::{Linear, face_load, mean_along};
+use crate::report::statics::{Linear, face_load, mean_displacement};
 use crate::scene::body::{CellsShape, PinBox};
 use crate::scene::settings::{EARTH_GRAVITY, Stepping};
 use crate::scene::{Body, Material, Scene, Shape, Solid};
@@ -27,18 +27,18 @@ const DAMPING_RATIO: f64 = 0.05;
 /// Length over thickness of the cantilever.
 const SLENDERNESS: u32 = 8;
 /// The standing block stands on a patch that reaches this far from the middle of its bottom, m.
-const PATCH: f64 = 0.25;
+const PATCH_HALF_WIDTH: f64 = 0.25;
 /// The step whose error is compared, s.
 pub const STEP_SECS: f64 = 1e-3;
 /// Simulated time of the motion in which the steps' error is measured, s, and of the runs that measure the wall time.
 const MOTION_SECS: f64 = 0.4;
 const TIMED_SECS: f64 = 0.02;
-/// A case converges if the finest cells miss by less than `FEWER` of the coarsest cells' error, or by less than `NOTHING` of
-/// the solid's displacement.
-const FEWER: f64 = 0.7;
-const NOTHING: f64 = 1e-3;
+/// A case converges if the finest cells miss by less than `CONVERGED_ERROR_RATIO` of the coarsest cells' error, or by less
+/// than `NEGLIGIBLE_ERROR_SHARE` of the solid's displacement.
+const CONVERGED_ERROR_RATIO: f64 = 0.7;
+const NEGLIGIBLE_ERROR_SHARE: f64 = 1e-3;
 /// Of two errors, the larger one is worth paying for if it is at least this many times the other.
-const LARGER: f64 = 2.0;
+const DOMINANT_ERROR_RATIO: f64 = 2.0;
 
 /// A body whose cells are counted along its longest extent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,12 +88,12 @@ impl Case {
     }
 
     /// Three grids, each twice as fine as the one before, from which the converged value is extrapolated.
-    fn leading(quick: bool) -> [u32; 3] {
+    fn extrapolation_grids(quick: bool) -> [u32; 3] {
         if quick { [8, 16, 32] } else { [12, 24, 48] }
     }
 
     /// The number of cells with which the steps' error is measured.
-    fn usual(self) -> u32 {
+    fn motion_divisions(self) -> u32 {
         match self {
             Self::Cantilever => 16,
             Self::Patch => 12,
@@ -110,24 +110,25 @@ impl Case {
     }
 
     /// Where particles are held, in the body's coordinates.
-    fn held(self) -> [DVec3; 2] {
+    fn pinned_box(self) -> [DVec3; 2] {
         let (all, end) = (DVec3::splat(2.0), 0.5 - 1e-6);
         match self {
             Self::Tension | Self::Hanging => [DVec3::new(-2.0, end, -2.0), all],
             Self::Cantilever => [-all, DVec3::new(-end, 2.0, 2.0)],
             Self::Patch => {
-                let reach = PATCH + 1e-6;
+                let reach = PATCH_HALF_WIDTH + 1e-6;
                 [DVec3::new(-reach, -2.0, -reach), DVec3::new(reach, -end, reach)]
             }
         }
     }
 
     fn body(self, divisions: u32) -> Body {
-        let dims =
-            (self.size() * f64::from(divisions)).to_array().map(|cells| u32::try_from(whole(cells)).unwrap_or(1));
+        let dims = (self.size() * f64::from(divisions))
+            .to_array()
+            .map(|cells| u32::try_from(rounded_count(cells)).unwrap_or(1));
         let [x, y, z] = dims.map(|cells| i32::try_from(cells.max(1)).unwrap_or(1));
         let list = (0..x).flat_map(|i| (0..y).flat_map(move |j| (0..z).map(move |k| [i, j, k]))).collect();
-        let [min, max] = self.held().map(|corner| corner.to_array());
+        let [min, max] = self.pinned_box().map(|corner| corner.to_array());
         Body {
             shape: Shape::Cells(CellsShape { list, size: 1.0 / f64::from(divisions) }),
             material: Material::Solid(Solid {
@@ -159,9 +160,9 @@ impl Case {
         let (size, cell) = (self.size(), 1.0 / f64::from(divisions));
         let weight = DENSITY * EARTH_GRAVITY * size.element_product();
         let on = |body: &Linear, face: DVec3, direction: DVec3| face_load(body, size, cell, face, direction);
-        let [min, max] = self.held();
+        let [min, max] = self.pinned_box();
         if self != Self::Tension {
-            body.hold(DVec3::ONE, |start| start.cmpge(min).all() && start.cmple(max).all());
+            body.hold_axes(DVec3::ONE, |start| start.cmpge(min).all() && start.cmple(max).all());
         }
         let scaled = |load: Vec<DVec3>| -> Vec<DVec3> { load.into_iter().map(|force| force * weight).collect() };
         let own = || -> Vec<DVec3> { body.mass.iter().map(|mass| DVec3::NEG_Y * (EARTH_GRAVITY * mass)).collect() };
@@ -178,7 +179,7 @@ impl Case {
                 (scaled(end.clone()), end, Some(weight * timoshenko(size) / self.young_modulus()))
             }
         };
-        let found_m = mean_along(&seen, &body.solve(&load)?);
+        let found_m = mean_displacement(&seen, &body.solve(&load)?);
         Some(Displacement { found_m, theory_m, particles: body.start.len() })
     }
 }
@@ -247,7 +248,7 @@ pub fn measure(case: Case, quick: bool, watch: &dyn Watch) -> Option<CellsFigure
     for (done, &divisions) in divisions.iter().enumerate() {
         let Displacement { found_m, theory_m: known_m, particles } = case.displacement(divisions)?;
         theory_m = known_m;
-        let wall_secs = timed(&case.scene(divisions), watch)?;
+        let wall_secs = wall_secs_per_second(&case.scene(divisions), watch)?;
         rows.push(CellsRow { divisions, particles, displacement_m: found_m, error_m: f64::NAN, wall_secs });
         watch.progress((done + 1) as f64 / work);
         if watch.cancelled() {
@@ -256,7 +257,7 @@ pub fn measure(case: Case, quick: bool, watch: &dyn Watch) -> Option<CellsFigure
     }
     let (reference_m, reference) = match theory_m {
         Some(theory_m) => (theory_m, "theory".to_owned()),
-        None => converged(case, quick)?,
+        None => extrapolated_displacement(case, quick)?,
     };
     for row in &mut rows {
         row.error_m = (row.displacement_m - reference_m).abs();
@@ -265,7 +266,7 @@ pub fn measure(case: Case, quick: bool, watch: &dyn Watch) -> Option<CellsFigure
     let converges = converges(&rows, reference_m);
     let steps_error_m = steps_error(case, watch)?;
     let case_name = case.name().to_owned();
-    let (steps_divisions, step_secs) = (case.usual(), STEP_SECS);
+    let (steps_divisions, step_secs) = (case.motion_divisions(), STEP_SECS);
     Some(CellsFigures {
         case: case_name,
         reference_m,
@@ -281,42 +282,43 @@ pub fn measure(case: Case, quick: bool, watch: &dyn Watch) -> Option<CellsFigure
 /// Whether the finest cells miss by less than the coarsest, or by hardly anything.
 fn converges(rows: &[CellsRow], reference_m: f64) -> bool {
     let [Some(coarsest), Some(finest)] = [rows.first(), rows.last()] else { return false };
-    finest.error_m < (FEWER * coarsest.error_m).max(NOTHING * reference_m.abs())
+    finest.error_m < (CONVERGED_ERROR_RATIO * coarsest.error_m).max(NEGLIGIBLE_ERROR_SHARE * reference_m.abs())
 }
 
 /// The value that three grids converge to, and in words how it was found.
-fn converged(case: Case, quick: bool) -> Option<(f64, String)> {
-    let grids = Case::leading(quick);
+fn extrapolated_displacement(case: Case, quick: bool) -> Option<(f64, String)> {
+    let grids = Case::extrapolation_grids(quick);
     let [coarse, middle, fine] = grids.map(|divisions| case.displacement(divisions).map(|found| found.found_m));
-    let (value, order) = extrapolated([coarse?, middle?, fine?])?;
+    let (value, order) = richardson_extrapolation([coarse?, middle?, fine?])?;
     let [_, _, finest] = grids;
     Some((value, format!("grids of up to {finest} divisions, which converge with order {order:.1}")))
 }
 
 /// Richardson's extrapolation of three values, each of a grid twice as fine as the one before, and the order of convergence;
 /// none where they do not converge.
-fn extrapolated([coarse, middle, fine]: [f64; 3]) -> Option<(f64, f64)> {
+fn richardson_extrapolation([coarse, middle, fine]: [f64; 3]) -> Option<(f64, f64)> {
     let ratio = (middle - coarse) / (fine - middle);
     (ratio > 1.0).then(|| (fine + (fine - middle) / (ratio - 1.0), ratio.log2()))
 }
 
 /// How far automatic stepping is from steps many times smaller, in motion, m.
 fn steps_error(case: Case, watch: &dyn Watch) -> Option<f64> {
-    let scene = case.scene(case.usual());
+    let scene = case.scene(case.motion_divisions());
     let lattices = lattices(&scene).ok()?;
     let dt = fine_step(&scene, &lattices, STEP_SECS);
-    let looks = whole(MOTION_SECS / LOOK_SECS);
-    let truth = follow::<f64>(&Way::Manual(REFERENCE).applied(&scene, dt), &lattices, looks, None, watch);
-    let run = follow::<f32>(&Way::Automatic.applied(&scene, STEP_SECS), &lattices, looks, None, watch);
-    (!truth.cancelled && !run.cancelled).then(|| rms(&run.looks, &truth.looks))
+    let samples = rounded_count(MOTION_SECS / SAMPLE_INTERVAL_SECS);
+    let truth =
+        record_run::<f64>(&SteppingMethod::Manual(REFERENCE).applied(&scene, dt), &lattices, samples, None, watch);
+    let run = record_run::<f32>(&SteppingMethod::Automatic.applied(&scene, STEP_SECS), &lattices, samples, None, watch);
+    (!truth.cancelled && !run.cancelled).then(|| rms_distance(&run.samples, &truth.samples))
 }
 
 /// Wall time of a simulated second; none where `watch` cancels.
-fn timed(scene: &Scene, watch: &dyn Watch) -> Option<f64> {
+fn wall_secs_per_second(scene: &Scene, watch: &dyn Watch) -> Option<f64> {
     let lattices: Vec<Arc<_>> = lattices(scene).ok()?;
     let mut simulation = Simulation::<f32>::new(scene, &lattices);
     let begin = std::time::Instant::now();
-    for _ in 0..whole(TIMED_SECS / STEP_SECS) {
+    for _ in 0..rounded_count(TIMED_SECS / STEP_SECS) {
         if watch.cancelled() {
             return None;
         }
@@ -333,9 +335,9 @@ pub fn advice(figures: &CellsFigures) -> String {
     let (cells_m, steps_m) = (row.error_m, *steps_error_m);
     let (cells, steps) = (millimetres(cells_m), millimetres(steps_m));
     let step = step_secs * 1e3;
-    let worth = if cells_m > LARGER * steps_m {
+    let worth = if cells_m > DOMINANT_ERROR_RATIO * steps_m {
         "finer cells are worth paying for, smaller steps are not"
-    } else if steps_m > LARGER * cells_m {
+    } else if steps_m > DOMINANT_ERROR_RATIO * cells_m {
         "smaller steps or a scheme of higher order are worth paying for, finer cells are not"
     } else {
         "both count alike: neither alone is worth paying for"
@@ -384,9 +386,9 @@ mod tests {
     #[test]
     fn three_grids_lead_to_the_value_and_the_order() {
         let grid = |h: f64| 2.0 + 0.3 * h * h;
-        let (value, order) = extrapolated([grid(0.4), grid(0.2), grid(0.1)]).expect("they converge");
+        let (value, order) = richardson_extrapolation([grid(0.4), grid(0.2), grid(0.1)]).expect("they converge");
         assert!((value - 2.0).abs() < 1e-12 && (order - 2.0).abs() < 1e-9, "{value}, order {order}");
-        assert_eq!(extrapolated([1.0, 2.0, 4.0]), None, "these run away");
+        assert_eq!(richardson_extrapolation([1.0, 2.0, 4.0]), None, "these run away");
     }
 
     #[test]
@@ -398,7 +400,7 @@ mod tests {
         assert!(error(Case::Tension, 7, f64::NAN) < 1e-5, "its stretch is exact");
         assert!(error(Case::Cantilever, 16, f64::NAN) < 0.6 * error(Case::Cantilever, 8, f64::NAN));
         for case in [Case::Hanging, Case::Patch] {
-            let (reference, _) = converged(case, true).expect("it converges");
+            let (reference, _) = extrapolated_displacement(case, true).expect("it converges");
             assert!(error(case, 20, reference) < 0.7 * error(case, 8, reference), "{}", case.name());
             assert!((0.005..0.2).contains(&reference), "{} moves by {reference} m", case.name());
         }

@@ -6,10 +6,10 @@
 //! machine that grows slower does so for all of them.
 
 pub mod cells;
-pub(super) mod follow;
 mod ladder;
-pub(super) mod measured;
+pub(super) mod recording;
 pub(super) mod reference;
+pub(super) mod repeated_run;
 pub mod scenes;
 pub mod words;
 
@@ -23,11 +23,11 @@ use crate::geometry::{Lattice, Watch};
 use crate::physics::Simulation;
 use crate::scene::Scene;
 use crate::scene::settings::{Integrator, Stepping};
-pub use follow::LOOK_SECS;
-use follow::{follow, size, whole};
-use ladder::{RUNGS, rungs, with_neighbours};
-use measured::{Measured, front};
-use reference::{FINER, Reference};
+use ladder::{RUNG_COUNT_LIMITS, rungs, with_steps_around_limit};
+pub use recording::SAMPLE_INTERVAL_SECS;
+use recording::{initial_extent, record_run, rounded_count};
+use reference::{REFERENCE_STEP_RATIO, Reference};
+use repeated_run::{RepeatedRun, pareto_front};
 
 /// The scheme of the reference: of second order at one evaluation of the forces a step.
 pub const REFERENCE: Integrator = Integrator::Verlet;
@@ -36,25 +36,25 @@ pub const REPEATS: usize = 5;
 /// How much longer a step of the reference takes than one of a measured run, as it is in double precision.
 const REFERENCE_COST: f64 = 1.5;
 /// An error above this many times the size of the bodies means that the motion has lost all relation to the scene.
-pub(super) const LOST: f64 = 1.0;
-/// A scheme does not converge to the reference if a step smaller by the factor `CONVERGES[0]` leaves more than the share
-/// `CONVERGES[1]` of its error.
-pub(super) const CONVERGES: [f64; 2] = [4.0, 0.7];
+pub(super) const DIVERGED_ERROR_RATIO: f64 = 1.0;
+/// A scheme does not converge to the reference if a step smaller by the factor `CONVERGENCE_CRITERION[0]` leaves more than
+/// the share `CONVERGENCE_CRITERION[1]` of its error.
+pub(super) const CONVERGENCE_CRITERION: [f64; 2] = [4.0, 0.7];
 /// Errors below this share of the bodies' size are rounding errors.
-const ROUNDING: f64 = 2e-5;
+const ROUNDING_SHARE: f64 = 2e-5;
 
 /// How steps are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "&'static str", try_from = "String")]
-pub enum Way {
+pub enum SteppingMethod {
     /// One scheme, with undivided steps.
     Manual(Integrator),
     /// Automatic stepping: steps are divided, or the implicit scheme is used, as the program chooses.
     Automatic,
 }
 
-impl Way {
-    /// All ways.
+impl SteppingMethod {
+    /// All methods.
     pub fn all() -> impl Iterator<Item = Self> {
         Integrator::ALL.into_iter().map(Self::Manual).chain([Self::Automatic])
     }
@@ -99,28 +99,28 @@ impl Way {
     }
 }
 
-impl From<Way> for &'static str {
-    fn from(way: Way) -> Self {
-        way.name()
+impl From<SteppingMethod> for &'static str {
+    fn from(method: SteppingMethod) -> Self {
+        method.name()
     }
 }
 
-impl TryFrom<String> for Way {
+impl TryFrom<String> for SteppingMethod {
     type Error = String;
 
     fn try_from(name: String) -> Result<Self, String> {
-        Self::all().find(|way| way.name() == name).ok_or_else(|| format!("{name} is no scheme"))
+        Self::all().find(|method| method.name() == name).ok_or_else(|| format!("{name} is no scheme"))
     }
 }
 
-/// One way at one step; the names are those of the CSV and the JSON object.
+/// One method at one step; the names are those of the CSV and the JSON object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct Row {
-    pub integrator: Way,
+    pub integrator: SteppingMethod,
     pub dt_secs: f64,
     pub steps: u64,
-    /// Root of the mean square distance of the particles from the reference, over all looks, m; infinite where the run
+    /// Root of the mean square distance of the particles from the reference, over all samples, m; infinite where the run
     /// diverged.
     #[serde(with = "number_or_null")]
     pub error_rms_m: f64,
@@ -147,23 +147,23 @@ pub struct ErrorFigures {
     /// Difference between the reference and the same at twice the step.
     pub reference_error_m: f64,
     pub rows: Vec<Row>,
-    /// Ways whose error does not shrink with the step: a defect of theirs or of the reference.
+    /// Methods whose error does not shrink with the step: a defect of theirs or of the reference.
     pub not_converging: Vec<String>,
 }
 
 /// How much work is put into a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
-    /// Simulated time, s: a multiple of [`LOOK_SECS`].
+    /// Simulated time, s: a multiple of [`SAMPLE_INTERVAL_SECS`].
     pub seconds: f64,
     /// Runs of each.
     pub repeats: usize,
     /// A run is not repeated once its repeats have taken this long in all.
-    pub enough: Duration,
+    pub repeat_time_limit: Duration,
     /// The most steps measured.
-    pub most_rungs: u32,
+    pub max_rungs: u32,
     /// The step of the reference as a share of the smallest one measured.
-    pub finer: f64,
+    pub reference_step_ratio: f64,
     /// Whether the reference and its check run at the same time.
     pub side_by_side: bool,
     /// Whether the steps next to the largest safe step of every scheme that has one are measured too.
@@ -173,9 +173,17 @@ pub struct Effort {
 impl Effort {
     /// The effort of a full report.
     pub fn full(seconds: f64) -> Self {
-        let enough = Duration::MAX;
-        let most_rungs = RUNGS[1];
-        Self { seconds, repeats: REPEATS, enough, most_rungs, finer: FINER, side_by_side: true, around_limits: false }
+        let repeat_time_limit = Duration::MAX;
+        let max_rungs = RUNG_COUNT_LIMITS[1];
+        Self {
+            seconds,
+            repeats: REPEATS,
+            repeat_time_limit,
+            max_rungs,
+            reference_step_ratio: REFERENCE_STEP_RATIO,
+            side_by_side: true,
+            around_limits: false,
+        }
     }
 }
 
@@ -193,7 +201,7 @@ pub fn measure(
 /// Roughly how often the forces of a scene are evaluated in its measurement, per simulated second and with one run of each.
 pub fn evaluations_per_second(scene: &Scene, lattices: &[Arc<Lattice>], effort: Effort) -> f64 {
     let (measured, finest) = measured_steps(scene, lattices, effort);
-    Work::new(&measured, finest, 1).whole
+    WorkEstimate::new(&measured, finest, 1).total
 }
 
 /// The scene set up for the default integrator: gives its size and the limits of its steps.
@@ -202,21 +210,22 @@ fn probe(scene: &Scene, lattices: &[Arc<Lattice>]) -> Simulation<f32> {
 }
 
 fn probe_of(integrator: Integrator, scene: &Scene, lattices: &[Arc<Lattice>]) -> Simulation<f32> {
-    Simulation::new(&Way::Manual(integrator).applied(scene, 1e-3), lattices)
+    Simulation::new(&SteppingMethod::Manual(integrator).applied(scene, 1e-3), lattices)
 }
 
-/// Every way with every step measured, s, grouped by way with falling steps; and the step of the reference, s.
-fn measured_steps(scene: &Scene, lattices: &[Arc<Lattice>], effort: Effort) -> (Vec<(Way, f64)>, f64) {
-    let rungs = rungs(probe(scene, lattices).plan().limits.dt_safe_secs, effort.most_rungs);
-    let finest = rungs.last().copied().unwrap_or(f64::INFINITY) * effort.finer;
-    let steps = |way: Way| match way {
-        Way::Manual(integrator) if effort.around_limits && Integrator::LIMITED.contains(&integrator) => {
+/// Every method with every step measured, s, grouped by method with falling steps; and the step of the reference, s.
+fn measured_steps(scene: &Scene, lattices: &[Arc<Lattice>], effort: Effort) -> (Vec<(SteppingMethod, f64)>, f64) {
+    let rungs = rungs(probe(scene, lattices).plan().limits.dt_safe_secs, effort.max_rungs);
+    let finest = rungs.last().copied().unwrap_or(f64::INFINITY) * effort.reference_step_ratio;
+    let steps = |method: SteppingMethod| match method {
+        SteppingMethod::Manual(integrator) if effort.around_limits && Integrator::LIMITED.contains(&integrator) => {
             let safe_secs = probe_of(integrator, scene, lattices).plan().limits_at_work().dt_safe_secs;
-            with_neighbours(rungs.clone(), safe_secs, finest)
+            with_steps_around_limit(rungs.clone(), safe_secs, finest)
         }
         _ => rungs.clone(),
     };
-    let measured = Way::all().flat_map(|way| steps(way).into_iter().map(move |dt| (way, dt))).collect();
+    let measured =
+        SteppingMethod::all().flat_map(|method| steps(method).into_iter().map(move |dt| (method, dt))).collect();
     (measured, finest)
 }
 
@@ -228,37 +237,37 @@ fn compare(
     effort: Effort,
     watch: &dyn Watch,
 ) -> Option<ErrorFigures> {
-    let looks = whole(effort.seconds / LOOK_SECS).max(1);
+    let samples = rounded_count(effort.seconds / SAMPLE_INTERVAL_SECS).max(1);
     let probe = probe(scene, lattices);
     let (measured, finest) = measured_steps(scene, lattices, effort);
-    let work = Work::new(&measured, finest, effort.repeats);
-    let both = [finest, 2.0 * finest].map(|dt| Way::Manual(REFERENCE).applied(truth, dt));
-    let reference = Reference::of(both.each_ref(), lattices, looks, effort.side_by_side, work.of_reference, watch)?;
-    let truth = &reference.looks;
-    let size_m = size(truth);
-    let mut rows: Vec<Setting> = measured.into_iter().map(|(way, dt)| Setting::new(way, dt)).collect();
-    let [_, mut done] = work.of_reference;
+    let work = WorkEstimate::new(&measured, finest, effort.repeats);
+    let both = [finest, 2.0 * finest].map(|dt| SteppingMethod::Manual(REFERENCE).applied(truth, dt));
+    let reference = Reference::of(both.each_ref(), lattices, samples, effort.side_by_side, work.reference_ends, watch)?;
+    let truth = &reference.samples;
+    let size_m = initial_extent(truth);
+    let mut rows: Vec<Setting> = measured.into_iter().map(|(method, dt)| Setting::new(method, dt)).collect();
+    let [_, mut done] = work.reference_ends;
     for _ in 0..effort.repeats {
         for row in &mut rows {
             let begin = done;
-            done += work.of(row.way, row.dt);
-            if !row.measured.diverged && row.measured.spent < effort.enough {
-                row.run(scene, lattices, truth, LOST * size_m, &Portion::new(watch, [begin, done]));
+            done += work.share_of(row.method, row.dt);
+            if !row.measured.diverged && row.measured.wall_time < effort.repeat_time_limit {
+                row.run(scene, lattices, truth, DIVERGED_ERROR_RATIO * size_m, &Portion::new(watch, [begin, done]));
             }
             if watch.cancelled() {
                 return None;
             }
         }
     }
-    let mut rows: Vec<Row> = rows.into_iter().map(|setting| setting.row(looks)).collect();
+    let mut rows: Vec<Row> = rows.into_iter().map(|setting| setting.row(samples)).collect();
     mark_pareto(&mut rows);
     let reference_error_m = reference.error_m;
-    let floor = (2.0 * reference_error_m).max(ROUNDING * size_m);
+    let floor = (2.0 * reference_error_m).max(ROUNDING_SHARE * size_m);
     Some(ErrorFigures {
         scene: title.to_owned(),
         particles: probe.model().particle_count(),
         links: probe.model().link_counts().iter().sum(),
-        simulated_secs: looks as f64 * LOOK_SECS,
+        simulated_secs: samples as f64 * SAMPLE_INTERVAL_SECS,
         size_m,
         reference_dt_secs: reference.dt_secs,
         reference_error_m,
@@ -268,37 +277,37 @@ fn compare(
 }
 
 /// The share of the work that each run takes, as far as it is known beforehand.
-struct Work {
+struct WorkEstimate {
     /// The fractions of the work at which the reference and its check end, 0 to 1.
-    of_reference: [f64; 2],
+    reference_ends: [f64; 2],
     /// The whole work, in evaluations of the forces per simulated second.
-    whole: f64,
+    total: f64,
 }
 
-impl Work {
-    fn new(measured: &[(Way, f64)], finest: f64, repeats: usize) -> Self {
-        let reference = REFERENCE_COST * Way::Manual(REFERENCE).cost() / finest;
-        let rows = repeats as f64 * measured.iter().map(|(way, dt)| way.cost() / dt).sum::<f64>();
-        let whole = 1.5 * reference + rows;
-        Self { of_reference: [reference / whole, 1.5 * reference / whole], whole }
+impl WorkEstimate {
+    fn new(measured: &[(SteppingMethod, f64)], finest: f64, repeats: usize) -> Self {
+        let reference = REFERENCE_COST * SteppingMethod::Manual(REFERENCE).cost() / finest;
+        let rows = repeats as f64 * measured.iter().map(|(method, dt)| method.cost() / dt).sum::<f64>();
+        let total = 1.5 * reference + rows;
+        Self { reference_ends: [reference / total, 1.5 * reference / total], total }
     }
 
     /// The share of a run.
-    fn of(&self, way: Way, dt: f64) -> f64 {
-        way.cost() / dt / self.whole
+    fn share_of(&self, method: SteppingMethod, dt: f64) -> f64 {
+        method.cost() / dt / self.total
     }
 }
 
-/// One way at one step, with its measurements so far.
+/// One method at one step, with its measurements so far.
 struct Setting {
-    way: Way,
+    method: SteppingMethod,
     dt: f64,
-    measured: Measured,
+    measured: RepeatedRun,
 }
 
 impl Setting {
-    fn new(way: Way, dt: f64) -> Self {
-        Self { way, dt, measured: Measured::new() }
+    fn new(method: SteppingMethod, dt: f64) -> Self {
+        Self { method, dt, measured: RepeatedRun::new() }
     }
 
     fn run(
@@ -306,20 +315,22 @@ impl Setting {
         scene: &Scene,
         lattices: &[Arc<Lattice>],
         truth: &[Vec<[f64; 3]>],
-        lost_m: f64,
+        max_error_m: f64,
         watch: &dyn Watch,
     ) {
-        let scene = self.way.applied(scene, self.dt);
-        let looks = truth.len() as u64;
-        self.measured.run(truth, lost_m, |lost| follow::<f32>(&scene, lattices, looks, Some(lost), watch));
+        let scene = self.method.applied(scene, self.dt);
+        let samples = truth.len() as u64;
+        self.measured.run(truth, max_error_m, |is_diverged| {
+            record_run::<f32>(&scene, lattices, samples, Some(is_diverged), watch)
+        });
     }
 
-    fn row(self, looks: u64) -> Row {
+    fn row(self, samples: u64) -> Row {
         let [wall_secs_median, wall_secs_min, wall_secs_max] = self.measured.wall_secs();
         Row {
-            integrator: self.way,
+            integrator: self.method,
             dt_secs: self.dt,
-            steps: looks * whole(LOOK_SECS / self.dt),
+            steps: samples * rounded_count(SAMPLE_INTERVAL_SECS / self.dt),
             error_rms_m: self.measured.error_m,
             wall_secs_median,
             wall_secs_min,
@@ -333,21 +344,24 @@ impl Setting {
 /// Marks the rows of the Pareto front, by the median time.
 fn mark_pareto(rows: &mut [Row]) {
     let figures: Vec<_> = rows.iter().map(|row| (row.wall_secs_median, row.error_rms_m)).collect();
-    for (row, is_best) in rows.iter_mut().zip(front(&figures)) {
+    for (row, is_best) in rows.iter_mut().zip(pareto_front(&figures)) {
         row.pareto = !row.diverged && is_best;
     }
 }
 
-/// The ways whose error is above `floor` and hardly smaller than at a step `CONVERGES[0]` times as large.
+/// The methods whose error is above `floor` and hardly smaller than at a step `CONVERGENCE_CRITERION[0]` times as large.
 fn not_converging(rows: &[Row], floor: f64) -> Vec<String> {
-    let fails = |way: &Way| {
-        let of_way: Vec<&Row> = rows.iter().filter(|row| row.integrator == *way && !row.diverged).collect();
-        let Some(finest) = of_way.last().filter(|finest| finest.error_rms_m > floor) else { return false };
-        let coarse = of_way.iter().rfind(|row| row.dt_secs >= (CONVERGES[0] - 1e-9) * finest.dt_secs);
-        coarse.is_some_and(|coarse| finest.error_rms_m > CONVERGES[1] * coarse.error_rms_m)
+    let fails = |method: &SteppingMethod| {
+        let of_method: Vec<&Row> = rows.iter().filter(|row| row.integrator == *method && !row.diverged).collect();
+        let Some(finest) = of_method.last().filter(|finest| finest.error_rms_m > floor) else { return false };
+        let coarse = of_method.iter().rfind(|row| row.dt_secs >= (CONVERGENCE_CRITERION[0] - 1e-9) * finest.dt_secs);
+        coarse.is_some_and(|coarse| finest.error_rms_m > CONVERGENCE_CRITERION[1] * coarse.error_rms_m)
     };
     // Automatic stepping takes the same divided steps whatever step is asked for.
-    Way::all().filter(|way| *way != Way::Automatic && fails(way)).map(|way| way.name().to_owned()).collect()
+    SteppingMethod::all()
+        .filter(|method| *method != SteppingMethod::Automatic && fails(method))
+        .map(|method| method.name().to_owned())
+        .collect()
 }
 
 /// JSON has no infinity: null stands for it.

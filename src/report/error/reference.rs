@@ -3,19 +3,19 @@
 
 use std::sync::Arc;
 
-use super::follow::{LOOK_SECS, follow, rms};
+use super::recording::{SAMPLE_INTERVAL_SECS, record_run, rms_distance};
 use crate::geometry::watch::{CancelOnly, Portion};
 use crate::geometry::{Lattice, Watch};
 use crate::physics::Simulation;
 use crate::scene::Scene;
 
 /// The step of the reference as a share of the smallest one measured, or of the largest stable one.
-pub(in crate::report) const FINER: f64 = 1.0 / 16.0;
+pub(in crate::report) const REFERENCE_STEP_RATIO: f64 = 1.0 / 16.0;
 
 /// The converged motion of a scene.
 pub(in crate::report) struct Reference {
-    /// Positions of the particles at every look, m.
-    pub(in crate::report) looks: Vec<Vec<[f64; 3]>>,
+    /// Positions of the particles at every sample, m.
+    pub(in crate::report) samples: Vec<Vec<[f64; 3]>>,
     /// Its step, s.
     pub(in crate::report) dt_secs: f64,
     /// Its difference from the run at twice the step, m.
@@ -28,12 +28,12 @@ impl Reference {
     pub(in crate::report) fn of(
         [finest, check]: [&Scene; 2],
         lattices: &[Arc<Lattice>],
-        looks: u64,
+        samples: u64,
         side_by_side: bool,
         ends: [f64; 2],
         watch: &dyn Watch,
     ) -> Option<Self> {
-        let run = |scene: &Scene, watch: &dyn Watch| follow::<f64>(scene, lattices, looks, None, watch);
+        let run = |scene: &Scene, watch: &dyn Watch| record_run::<f64>(scene, lattices, samples, None, watch);
         let [first, second] = ends;
         let (found, checked) = if side_by_side {
             let whole = Portion::new(watch, [0.0, second]);
@@ -42,14 +42,14 @@ impl Reference {
             let found = run(finest, &Portion::new(watch, [0.0, first]));
             (found, run(check, &Portion::new(watch, [first, second])))
         };
-        let is_whole = !found.cancelled && !checked.cancelled;
-        let error_m = rms(&found.looks, &checked.looks);
-        is_whole.then_some(Self { looks: found.looks, dt_secs: finest.settings.dt, error_m })
+        let is_complete = !found.cancelled && !checked.cancelled;
+        let error_m = rms_distance(&found.samples, &checked.samples);
+        is_complete.then_some(Self { samples: found.samples, dt_secs: finest.settings.dt, error_m })
     }
 }
 
-/// A step well below the largest stable one and below `most_secs`, which divides the time between two looks, s.
+/// A step well below the largest stable one and below `most_secs`, which divides the time between two samples, s.
 pub(in crate::report) fn fine_step(scene: &Scene, lattices: &[Arc<Lattice>], most_secs: f64) -> f64 {
     let safe = Simulation::<f32>::new(scene, lattices).plan().limits.dt_safe_secs.unwrap_or(most_secs);
-    LOOK_SECS / (LOOK_SECS / (FINER * safe.min(most_secs))).ceil()
+    SAMPLE_INTERVAL_SECS / (SAMPLE_INTERVAL_SECS / (REFERENCE_STEP_RATIO * safe.min(most_secs))).ceil()
 }

@@ -11,11 +11,12 @@ fn scene(name: &str) -> Scene {
 
 fn measured(name: &str) -> ErrorFigures {
     let scene = scene(name);
-    measure(name, &scene, &lattices(&scene).expect("cubes"), Effort::full(2.0 * LOOK_SECS), &()).expect("not cancelled")
+    measure(name, &scene, &lattices(&scene).expect("cubes"), Effort::full(2.0 * SAMPLE_INTERVAL_SECS), &())
+        .expect("not cancelled")
 }
 
 fn rows(figures: &ErrorFigures, integrator: Integrator) -> Vec<&Row> {
-    figures.rows.iter().filter(|row| row.integrator == Way::Manual(integrator)).collect()
+    figures.rows.iter().filter(|row| row.integrator == SteppingMethod::Manual(integrator)).collect()
 }
 
 /// The order of convergence between the steps `dt` and `dt / 2`.
@@ -50,7 +51,7 @@ fn a_wrong_force_is_found_out() {
     let mut wrong = scene.clone();
     let Material::Springs(springs) = &mut wrong.bodies[0].material else { panic!("springs") };
     springs.shear.stiffness *= 1.3;
-    let figures = compare("wrong", [&wrong, &scene], &lattices, Effort::full(2.0 * LOOK_SECS), &());
+    let figures = compare("wrong", [&wrong, &scene], &lattices, Effort::full(2.0 * SAMPLE_INTERVAL_SECS), &());
     let figures = figures.expect("not cancelled");
     for integrator in [Integrator::Verlet, Integrator::Rk4] {
         assert!(figures.not_converging.contains(&integrator.name().to_owned()), "{:?}", figures.not_converging);
@@ -73,7 +74,7 @@ fn what_diverges_is_a_row_of_its_own() {
 
 fn row(dt_secs: f64, error_rms_m: f64, wall_secs_median: f64) -> Row {
     Row {
-        integrator: Way::Manual(Integrator::Verlet),
+        integrator: SteppingMethod::Manual(Integrator::Verlet),
         dt_secs,
         steps: 1,
         error_rms_m,
@@ -109,8 +110,8 @@ fn the_front_is_what_nothing_else_beats_in_both() {
         row(1e-3, 1e-4, 0.04),
         row(1e-3, 1e-4, 0.04),
     ]);
-    let front: Vec<bool> = figures.rows.iter().map(|row| row.pareto).collect();
-    assert_eq!(front, [false, true, false, true, false]);
+    let pareto_front: Vec<bool> = figures.rows.iter().map(|row| row.pareto).collect();
+    assert_eq!(pareto_front, [false, true, false, true, false]);
     let sentence = advice(&figures, 1e-3);
     assert_eq!(
         sentence,

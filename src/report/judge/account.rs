@@ -3,38 +3,38 @@
 use glam::DVec3;
 
 use super::energy_sample::EnergySample;
-use super::fault::{Fault, GAIN, REACH};
+use super::fault::{Fault, MAX_ENERGY_GAIN, REACH_TOLERANCE};
 use super::rounding::Rounding;
 use crate::math::{Real, Vector};
 use crate::physics::{BodyModel, SAFETY, Simulation, StepReport};
 use crate::physics::{Diagnostics, Energy};
 
 /// Particles below this share of the mean mass are light: a corner of a cube of one solid weighs more.
-const LIGHT: f64 = 0.1;
+const LIGHT_MASS_SHARE: f64 = 0.1;
 
 /// The energy account of one body since the start of the watch.
 #[derive(Debug)]
-pub(super) struct Account {
+pub(super) struct EnergyAccount {
     body: usize,
     start: Diagnostics,
     own_at_start: f64,
     /// Work done from outside, without gravity's, J.
     work: f64,
     /// The part of it that was done at once, J.
-    meddling: f64,
+    sudden_work: f64,
     /// The fastest surface of an obstacle that the body met, m/s.
-    fastest_push: f64,
+    max_surface_speed: f64,
     /// The most energy in its springs and contact springs since it met a moving surface, J.
-    squeezed: f64,
+    max_squeezed_energy: f64,
     /// The most energy in its springs and contact springs, J.
-    held: f64,
+    max_stored_energy: f64,
     /// Mass of the light particles, which the rest can throw, kg; infinite where no particle is light.
-    light_kg: f64,
+    light_mass_kg: f64,
     /// Whether it has met itself.
-    strikes_itself: bool,
+    has_self_contact: bool,
     /// The largest speed to which a single contact spring could push its particle, if the particle had no links, m/s; at the
     /// start and since the body met a moving surface.
-    released: f64,
+    max_release_speed: f64,
     gravity: DVec3,
     dt: f64,
     rounding: Rounding,
@@ -42,15 +42,15 @@ pub(super) struct Account {
     substeps: u64,
     /// Sums over the window: own energy, the energy allowed without work from outside, and that work.
     sums: [f64; 3],
-    looks: u32,
-    /// The allowed energy that it did not have at the last look, J.
-    lacks: f64,
+    sample_count: u32,
+    /// The allowed energy that it did not have at the last sample, J.
+    missing_energy: f64,
     /// The largest sum so far of energy at the start and work, J.
-    turnover: f64,
+    max_allowed_energy: f64,
     gain: Option<String>,
 }
 
-impl Account {
+impl EnergyAccount {
     pub(super) fn open<R: Real>(simulation: &Simulation<R>, body: usize, start: Diagnostics) -> Self {
         let own_at_start = own(&start);
         let gravity = simulation.model().gravity.to_dvec3();
@@ -60,76 +60,76 @@ impl Account {
             start,
             own_at_start,
             work: 0.0,
-            meddling: 0.0,
-            fastest_push: 0.0,
-            squeezed: 0.0,
-            held: 0.0,
-            light_kg: light_mass(&simulation.model().bodies[body]),
-            strikes_itself: false,
-            released: 0.0,
+            sudden_work: 0.0,
+            max_surface_speed: 0.0,
+            max_squeezed_energy: 0.0,
+            max_stored_energy: 0.0,
+            light_mass_kg: light_mass(&simulation.model().bodies[body]),
+            has_self_contact: false,
+            max_release_speed: 0.0,
             gravity,
             dt: simulation.plan().substep_secs(),
             rounding: Rounding::of(&simulation.model().bodies[body]),
             now,
             substeps: 0,
             sums: [0.0; 3],
-            looks: 0,
-            lacks: 0.0,
-            turnover: own_at_start,
+            sample_count: 0,
+            missing_energy: 0.0,
+            max_allowed_energy: own_at_start,
             gain: None,
         }
     }
 
     /// Counts work done at once from outside, J.
-    pub(super) fn meddle(&mut self, work: f64) {
+    pub(super) fn add_sudden_work(&mut self, work: f64) {
         self.work += work;
-        self.meddling += work.max(0.0);
+        self.sudden_work += work.max(0.0);
     }
 
     /// Counts the work (J) of obstacles whose fastest surface moves at `speed` (m/s).
-    pub(super) fn push(&mut self, speed: f64, work: f64) {
+    pub(super) fn add_obstacle_work(&mut self, speed: f64, work: f64) {
         self.work += work;
-        self.fastest_push = self.fastest_push.max(speed);
+        self.max_surface_speed = self.max_surface_speed.max(speed);
     }
 
     /// Notes that the body has met itself.
-    pub(super) fn strike_itself(&mut self) {
-        self.strikes_itself = true;
+    pub(super) fn mark_self_contact(&mut self) {
+        self.has_self_contact = true;
     }
 
-    /// Looks at the energy. Gives no sample of a body that fell out of the scene, which keeps its last values.
-    pub(super) fn look<R: Real>(
+    /// Samples the energy. Gives no sample of a body that fell out of the scene, which keeps its last values.
+    pub(super) fn take_sample<R: Real>(
         &mut self,
         simulation: &Simulation<R>,
         now: Diagnostics,
-        taken: &StepReport,
+        totals: &StepReport,
     ) -> Option<EnergySample> {
         let is_gone = simulation.state().bodies[self.body].gone;
         if !is_gone {
             self.now = now;
-            self.rounding.see(self.now.bounds);
+            self.rounding.include(self.now.bounds);
             let Energy { elastic, contact, recovery, .. } = self.now.energy;
-            let held = elastic + contact + recovery;
-            self.held = self.held.max(held);
-            if self.fastest_push > 0.0 {
-                self.squeezed = self.squeezed.max(held);
+            let stored_energy = elastic + contact + recovery;
+            self.max_stored_energy = self.max_stored_energy.max(stored_energy);
+            if self.max_surface_speed > 0.0 {
+                self.max_squeezed_energy = self.max_squeezed_energy.max(stored_energy);
             }
-            if self.fastest_push > 0.0 || self.looks == 0 && self.substeps == 0 {
-                self.released = self.released.max(fastest_release(simulation, self.body));
+            if self.max_surface_speed > 0.0 || self.sample_count == 0 && self.substeps == 0 {
+                self.max_release_speed = self.max_release_speed.max(release_speed(simulation, self.body));
             }
         }
         let by_itself = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity;
         let allowed = by_itself + self.work;
-        self.turnover = self.turnover.max(allowed);
+        self.max_allowed_energy = self.max_allowed_energy.max(allowed);
         // A body that is gone may have given the energy it lacked when last seen to another body.
         if !is_gone {
-            self.lacks = (allowed - own(&self.now)).max(0.0);
+            self.missing_energy = (allowed - own(&self.now)).max(0.0);
         }
-        let terms = if is_gone { [0.0, self.lacks, 0.0] } else { [own(&self.now), by_itself, self.work] };
+        let terms = if is_gone { [0.0, self.missing_energy, 0.0] } else { [own(&self.now), by_itself, self.work] };
         for (sum, now) in self.sums.iter_mut().zip(terms) {
             *sum += now;
         }
-        self.looks += 1;
+        self.sample_count += 1;
         (!is_gone).then(|| EnergySample {
             time_secs: simulation.state().time_secs,
             body: self.body,
@@ -140,28 +140,28 @@ impl Account {
             own: own(&self.now),
             work: self.work,
             allowed,
-            substeps: taken.counters.substeps,
-            halved: taken.counters.halved,
-            contacts: taken.last.contacts + taken.last.body_contacts,
-            depth_m: taken.last.max_penetration_m,
+            substeps: totals.counters.substeps,
+            halved: totals.counters.halved,
+            contacts: totals.last.contacts + totals.last.body_contacts,
+            depth_m: totals.last.max_penetration_m,
         })
     }
 
     /// Closes a window of some bodies that share their energy, and returns their gain as a share.
-    pub(super) fn close(those: &mut [&mut Self], substeps: u64) -> f64 {
-        let (mut sum, mut excused, mut turnover) = ([0.0, 0.0, 0.0_f64], 0.0, 0.0);
+    pub(super) fn close_window(those: &mut [&mut Self], substeps: u64) -> f64 {
+        let (mut sum, mut excused, mut max_allowed_energy) = ([0.0, 0.0, 0.0_f64], 0.0, 0.0);
         for account in &mut *those {
             account.substeps = substeps;
-            let [own, by_itself, work] = account.sums.map(|sum| sum / f64::from(account.looks.max(1)));
-            (account.sums, account.looks) = ([0.0; 3], 0);
+            let [own, by_itself, work] = account.sums.map(|sum| sum / f64::from(account.sample_count.max(1)));
+            (account.sums, account.sample_count) = ([0.0; 3], 0);
             // Work from outside is counted for all bodies together, so it is added once.
             sum = [sum[0] + own, sum[1] + by_itself, if work.abs() > sum[2].abs() { work } else { sum[2] }];
-            excused += account.rounding.energy(substeps) + account.unresolved();
-            turnover += account.turnover;
+            excused += account.rounding.energy(substeps) + account.unresolved_fall_energy();
+            max_allowed_energy += account.max_allowed_energy;
         }
         let [own, allowed] = [sum[0], sum[1] + sum[2]];
-        let share = (own - allowed - excused) / turnover.max(f64::MIN_POSITIVE);
-        if share > GAIN || share.is_nan() {
+        let share = (own - allowed - excused) / max_allowed_energy.max(f64::MIN_POSITIVE);
+        if share > MAX_ENERGY_GAIN || share.is_nan() {
             let bodies: Vec<String> = those.iter().map(|account| account.body.to_string()).collect();
             let words = match &bodies[..] {
                 [body] => format!("body {body}"),
@@ -173,13 +173,13 @@ impl Account {
     }
 
     /// The most energy that the body could have given to others, J.
-    pub(super) fn turnover(&self) -> f64 {
-        self.turnover
+    pub(super) fn max_allowed_energy(&self) -> f64 {
+        self.max_allowed_energy
     }
 
     /// The energy that gravity may give a body that is let go in the middle of a substep, J, as steps do not resolve when
     /// that is. It is negligible unless gravity is strong and the step long.
-    fn unresolved(&self) -> f64 {
+    fn unresolved_fall_energy(&self) -> f64 {
         let speed = 0.5 * self.gravity.length() * self.dt;
         0.5 * self.start.mass_kg * speed * speed
     }
@@ -193,7 +193,8 @@ impl Account {
             return Some((Fault::Energy, format!("{words}, after {seconds} s")));
         }
         let [reach, furthest] = [self.reach(seconds, given), self.furthest()];
-        (furthest > REACH * reach).then(|| (Fault::Reach, format!("{furthest} m away of {reach} m, after {seconds} s")))
+        (furthest > REACH_TOLERANCE * reach)
+            .then(|| (Fault::Reach, format!("{furthest} m away of {reach} m, after {seconds} s")))
     }
 
     /// How far the body can have got, m, by its speed at the start, by gravity, by being pushed out of obstacles, by moving
@@ -207,15 +208,16 @@ impl Account {
     /// - Bodies meet by points of their cells. A cell thrown back at a point near a corner may give that corner the energy
     ///   of all its eight corners: √8 times the speed.
     fn reach(&self, seconds: f64, given: Option<f64>) -> f64 {
-        let stored = (self.own_at_start - self.start.energy.kinetic).max(self.squeezed)
-            + self.meddling
+        let stored = (self.own_at_start - self.start.energy.kinetic).max(self.max_squeezed_energy)
+            + self.sudden_work
             + given.unwrap_or(0.0)
             + self.rounding.energy(self.substeps);
         let whole = (2.0 * stored.max(0.0) / self.start.mass_kg).sqrt();
-        let struck = if self.strikes_itself { self.turnover } else { 0.0 };
-        let thrown = (2.0 * (self.held + struck).max(0.0) / self.light_kg).sqrt();
-        let gathered = if self.strikes_itself || given.is_some() { 8.0_f64.sqrt() } else { 1.0 };
-        let speed = gathered * (self.start.max_speed + whole.max(self.released).max(thrown)) + self.fastest_push;
+        let struck = if self.has_self_contact { self.max_allowed_energy } else { 0.0 };
+        let thrown = (2.0 * (self.max_stored_energy + struck).max(0.0) / self.light_mass_kg).sqrt();
+        let gathered = if self.has_self_contact || given.is_some() { 8.0_f64.sqrt() } else { 1.0 };
+        let speed =
+            gathered * (self.start.max_speed + whole.max(self.max_release_speed).max(thrown)) + self.max_surface_speed;
         let size = self.start.bounds.size().length();
         speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
     }
@@ -231,13 +233,13 @@ impl Account {
 /// Mass of all light particles of a body, kg; infinite where none is light compared with the others.
 fn light_mass<R: Real>(body: &BodyModel<R>) -> f64 {
     let masses = || (0..body.particles.len()).map(|particle| body.mass(particle).to_f64());
-    let light = LIGHT * masses().sum::<f64>() / body.particles.len() as f64;
+    let light = LIGHT_MASS_SHARE * masses().sum::<f64>() / body.particles.len() as f64;
     let sum: f64 = masses().filter(|mass| *mass < light).sum();
     if sum > 0.0 { sum } else { f64::INFINITY }
 }
 
 /// The largest speed to which a contact spring of the last substep could push its particle, m/s.
-fn fastest_release<R: Real>(simulation: &Simulation<R>, number: usize) -> f64 {
+fn release_speed<R: Real>(simulation: &Simulation<R>, number: usize) -> f64 {
     let body = &simulation.model().bodies[number];
     let own = simulation.contacts().iter().filter(|contact| body.particles.contains(&contact.particle));
     let speeds = own.map(|contact| {

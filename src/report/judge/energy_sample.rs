@@ -1,4 +1,4 @@
-//! What a look at a body sees: the terms of its energy account, for a table with a row a look.
+//! A sample of a body: the terms of its energy account, for a table with a row a sample.
 
 use serde::Serialize;
 
@@ -37,9 +37,9 @@ pub struct EnergySample {
 
 /// An event that is reported to whoever follows a watch.
 #[derive(Clone, Copy, Debug)]
-pub enum Seen<'a> {
-    /// A look at a body.
-    Look(&'a EnergySample),
+pub enum JudgeEvent<'a> {
+    /// A sample of a body.
+    Sample(&'a EnergySample),
     /// A disturbance of the scene, and the work counted for it, J.
     Disturbed(&'a Disturbance, f64),
 }

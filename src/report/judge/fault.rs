@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 /// The share of energy that may be gained from nowhere.
-pub const GAIN: f64 = 0.05;
+pub const MAX_ENERGY_GAIN: f64 = 0.05;
 
 /// The factor by which the reach may be exceeded.
-pub const REACH: f64 = 1.5;
+pub const REACH_TOLERANCE: f64 = 1.5;
 
 /// What is wrong with a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

@@ -13,25 +13,25 @@
 //!
 //! Each body is judged alone, so that a heavy one does not hide a light one, until it meets another: from then on it is
 //! judged together with all bodies that it has met. The velocities at a position's time include a share of the coming
-//! substep's push, so a look also counts the bodies that meet in that substep.
+//! substep's push, so a sample also counts the bodies that meet in that substep.
 
 mod account;
+mod contact_groups;
 mod energy_sample;
 mod fault;
-mod met;
 mod rounding;
 #[cfg(test)]
 mod tests;
 
-pub use energy_sample::{EnergySample, Seen};
-pub use fault::{Fault, GAIN, REACH};
+pub use energy_sample::{EnergySample, JudgeEvent};
+pub use fault::{Fault, MAX_ENERGY_GAIN, REACH_TOLERANCE};
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use account::Account;
-use met::Met;
+use account::EnergyAccount;
+use contact_groups::ContactGroups;
 
 use super::disturb::Disturbance;
 use crate::geometry::Lattice;
@@ -47,13 +47,13 @@ const WINDOW_SECS: f64 = FRAME_SECS;
 const WINDOW_SUBSTEPS: u64 = 8;
 
 /// `gelatin check` measures this much simulated time, s, and foretells the work from it.
-const FORETOLD_SECS: f64 = 0.5;
+const PREDICTION_SECS: f64 = 0.5;
 
 /// A scene that takes more than this many times the work foretold, without being slowed, is at fault.
-const MORE_WORK: f64 = 100.0;
+const MAX_WORK_RATIO: f64 = 100.0;
 
-/// Looks at the energy in a window, not evenly spaced: see [`nth_look`].
-const LOOKS: u64 = 8;
+/// Samples of the energy in a window, not evenly spaced: see [`nth_sample_substep`].
+const SAMPLES_PER_WINDOW: u64 = 8;
 
 /// How long a scene is watched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,7 +66,7 @@ pub struct Patience {
 
 /// The outcome of a substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Advance {
+enum SubstepOutcome {
     Taken,
     /// The substep was given up; its last part has left no trace.
     GivenUp,
@@ -106,35 +106,35 @@ pub fn judge_disturbed<R: Real>(
     lattices: &[Arc<Lattice>],
     patience: Patience,
 ) -> Verdict {
-    judge_followed::<R>(scene, disturbances, lattices, patience, |_| ())
+    judge_with_events::<R>(scene, disturbances, lattices, patience, |_| ())
 }
 
-/// As [`judge_disturbed`], reporting every look and every disturbance.
-pub fn judge_followed<R: Real>(
+/// As [`judge_disturbed`], reporting every sample and every disturbance.
+pub fn judge_with_events<R: Real>(
     scene: &Scene,
     disturbances: &[Disturbance],
     lattices: &[Arc<Lattice>],
     patience: Patience,
-    mut follow: impl FnMut(Seen<'_>),
+    mut on_event: impl FnMut(JudgeEvent<'_>),
 ) -> Verdict {
     let mut simulation = Simulation::<R>::new(scene, lattices);
     let mut coming = disturbances.iter().peekable();
-    let mut watch = Watch::open(&simulation, patience);
+    let mut judge = MotionJudge::open(&simulation, patience);
     loop {
-        let now = watch.verdict.substeps as f64 * simulation.plan().substep_secs();
+        let now = judge.verdict.substeps as f64 * simulation.plan().substep_secs();
         let mut before = None;
         while let Some(disturbance) = coming.next_if(|coming| coming.at_secs <= now) {
             let had = before.unwrap_or_else(|| simulation.diagnostics().energy.total());
-            disturbance.happen(&mut simulation, scene, lattices);
+            disturbance.apply(&mut simulation, scene, lattices);
             let has = energy_to_keep(&simulation);
             before = Some(has);
-            watch.meddle(has - had);
-            follow(Seen::Disturbed(disturbance, has - had));
+            judge.add_sudden_work(has - had);
+            on_event(JudgeEvent::Disturbed(disturbance, has - had));
         }
-        let goes_on = watch.substep(&mut simulation);
-        watch.looks.iter().for_each(|look| follow(Seen::Look(look)));
+        let goes_on = judge.substep(&mut simulation);
+        judge.samples.iter().for_each(|sample| on_event(JudgeEvent::Sample(sample)));
         if !goes_on {
-            return watch.verdict;
+            return judge.verdict;
         }
     }
 }
@@ -146,40 +146,40 @@ pub fn judge_followed<R: Real>(
 /// energy before it gets there. If the plane sweeps out of its way in that substep, there is no J and the body keeps all of
 /// its energy. If the plane comes towards the body, the energy beyond that is the plane's work.
 fn energy_to_keep<R: Real>(simulation: &Simulation<R>) -> f64 {
-    let met = simulation.diagnostics().energy;
+    let with_contact = simulation.diagnostics().energy;
     if simulation.state().sweeps.is_empty() {
-        return met.total();
+        return with_contact.total();
     }
-    let mut unmet = simulation.clone();
-    unmet.plan_mut().contact = false;
-    met.total().max(unmet.diagnostics().energy.total() + met.contact)
+    let mut without_contact = simulation.clone();
+    without_contact.plan_mut().contact = false;
+    with_contact.total().max(without_contact.diagnostics().energy.total() + with_contact.contact)
 }
 
 /// A simulation that is watched, substep by substep.
 #[derive(Debug)]
-pub struct Watch {
+pub struct MotionJudge {
     patience: Patience,
     links: u64,
     /// The most substeps to take.
     substeps: u64,
     /// Substeps in a window.
     window: u64,
-    /// Substeps between two looks, in the mean.
-    between_looks: u64,
-    /// Looks taken.
-    looked: u64,
-    bodies: Vec<Account>,
-    met: Met,
-    /// What was looked at in the last substep.
-    looks: Vec<EnergySample>,
-    forces: u64,
-    taken: StepReport,
+    /// Substeps between two samples, in the mean.
+    sample_interval: u64,
+    /// Samples taken.
+    sample_count: u64,
+    accounts: Vec<EnergyAccount>,
+    contact_groups: ContactGroups,
+    /// What was sampled in the last substep.
+    samples: Vec<EnergySample>,
+    link_forces: u64,
+    totals: StepReport,
     /// The work to be expected, as passes over the links in a second.
-    foretold: f64,
+    predicted_work_rate: f64,
     verdict: Verdict,
 }
 
-impl Watch {
+impl MotionJudge {
     /// Begins with a simulation in its present state.
     pub fn open<R: Real>(simulation: &Simulation<R>, patience: Patience) -> Self {
         let dt = simulation.plan().substep_secs();
@@ -199,28 +199,28 @@ impl Watch {
             largest_gain: 0.0,
         };
         let (bodies, _) = simulation.diagnostics_of_each();
-        let bodies = (0..).zip(bodies).map(|(body, start)| Account::open(simulation, body, start));
-        let met = Met::new(simulation.model().bodies.len());
+        let accounts = (0..).zip(bodies).map(|(body, start)| EnergyAccount::open(simulation, body, start));
+        let contact_groups = ContactGroups::new(simulation.model().bodies.len());
         Self {
             patience,
             links,
             substeps,
             window,
-            between_looks: window.div_ceil(LOOKS),
-            looked: 0,
-            bodies: bodies.collect(),
-            met,
-            looks: Vec::new(),
-            forces: 0,
-            taken: StepReport::default(),
-            foretold: f64::INFINITY,
+            sample_interval: window.div_ceil(SAMPLES_PER_WINDOW),
+            sample_count: 0,
+            accounts: accounts.collect(),
+            contact_groups,
+            samples: Vec::new(),
+            link_forces: 0,
+            totals: StepReport::default(),
+            predicted_work_rate: f64::INFINITY,
             verdict,
         }
     }
 
     /// Counts work (J) that was done at once from outside.
-    fn meddle(&mut self, work: f64) {
-        self.bodies.iter_mut().for_each(|account| account.meddle(work));
+    fn add_sudden_work(&mut self, work: f64) {
+        self.accounts.iter_mut().for_each(|account| account.add_sudden_work(work));
     }
 
     /// Takes one substep and looks at it. Returns whether there is more to see.
@@ -228,30 +228,30 @@ impl Watch {
         self.substep_unless(simulation, &mut ())
     }
 
-    /// As [`Watch::substep`], but a substep that `timer` gives up is taken at the next call, with the same outcome.
+    /// As [`MotionJudge::substep`], but a substep that `timer` gives up is taken at the next call, with the same outcome.
     pub fn substep_unless<R: Real>(&mut self, simulation: &mut Simulation<R>, timer: &mut impl StageTimer) -> bool {
-        if self.forces > self.patience.most_link_forces {
+        if self.link_forces > self.patience.most_link_forces {
             self.verdict.cut_short = true;
             return false;
         }
-        self.looks.clear();
+        self.samples.clear();
         let substep = self.verdict.substeps;
         let begin_secs = simulation.state().time_secs;
         let advance = self.advance(simulation, timer);
         self.verdict.simulated_secs += simulation.state().time_secs - begin_secs;
-        if advance == Advance::GivenUp {
+        if advance == SubstepOutcome::GivenUp {
             return true;
         }
         self.verdict.substeps = substep + 1;
-        if advance == Advance::Diverged {
-            self.condemn(Fault::NotFinite, format!("after {} s", self.verdict.simulated_secs));
+        if advance == SubstepOutcome::Diverged {
+            self.record_fault(Fault::NotFinite, format!("after {} s", self.verdict.simulated_secs));
             return false;
         }
-        let look = substep == nth_look(self.looked, self.between_looks);
-        self.looked += u64::from(look);
-        let close = (substep + 1).is_multiple_of(self.window);
-        if look || close {
-            self.look(simulation, look, close);
+        let is_sample_due = substep == nth_sample_substep(self.sample_count, self.sample_interval);
+        self.sample_count += u64::from(is_sample_due);
+        let ends_window = (substep + 1).is_multiple_of(self.window);
+        if is_sample_due || ends_window {
+            self.take_sample(simulation, is_sample_due, ends_window);
         }
         self.count_work(simulation);
         self.verdict.fault.is_none() && self.verdict.substeps < self.substeps
@@ -260,15 +260,18 @@ impl Watch {
     /// Counts the work, and condemns a scene that takes far more of it than its first half second suggests.
     fn count_work<R: Real>(&mut self, simulation: &Simulation<R>) {
         let secs = self.verdict.simulated_secs;
-        self.verdict.work = self.forces / self.links.max(1);
-        self.verdict.slowed = self.taken.counters.slowed;
+        self.verdict.work = self.link_forces / self.links.max(1);
+        self.verdict.slowed = self.totals.counters.slowed;
         let rate = self.verdict.work as f64 / secs;
         // The least work of a body that moves; a sleeping body takes none.
         let least = (1 + SOLVE_WORK) as f64 / simulation.plan().substep_secs();
-        if secs <= FORETOLD_SECS {
-            self.foretold = rate.max(least);
-        } else if rate > MORE_WORK * self.foretold && self.taken.counters.slowed == 0 {
-            self.condemn(Fault::Work, format!("{rate:.0} passes over the links a second, not {:.0}", self.foretold));
+        if secs <= PREDICTION_SECS {
+            self.predicted_work_rate = rate.max(least);
+        } else if rate > MAX_WORK_RATIO * self.predicted_work_rate && self.totals.counters.slowed == 0 {
+            self.record_fault(
+                Fault::Work,
+                format!("{rate:.0} passes over the links a second, not {:.0}", self.predicted_work_rate),
+            );
         }
     }
 
@@ -278,89 +281,93 @@ impl Watch {
     }
 
     /// Takes a whole substep, in parts where it is halved; a part that was given up leaves no trace.
-    fn advance<R: Real>(&mut self, simulation: &mut Simulation<R>, timer: &mut impl StageTimer) -> Advance {
+    fn advance<R: Real>(&mut self, simulation: &mut Simulation<R>, timer: &mut impl StageTimer) -> SubstepOutcome {
         loop {
             let report = simulation.substep(timer);
             if report.stopped {
-                return Advance::GivenUp;
+                return SubstepOutcome::GivenUp;
             }
-            self.taken.add(&report);
-            self.forces += report.counters.link_forces + report.counters.iterations * self.links;
-            for account in &mut self.bodies {
+            self.totals.add(&report);
+            self.link_forces += report.counters.link_forces + report.counters.iterations * self.links;
+            for account in &mut self.accounts {
                 let work = report.counters.obstacle_work_j + report.counters.parting_work_j;
-                account.push(report.counters.fastest_surface_m_s, work);
+                account.add_obstacle_work(report.counters.fastest_surface_m_s, work);
             }
-            self.meet(simulation.met());
+            self.record_contacts(simulation.met());
             let is_whole = simulation.state().is_between_substeps();
             if report.diverged {
-                return Advance::Diverged;
+                return SubstepOutcome::Diverged;
             }
-            if is_whole || self.forces > self.patience.most_link_forces {
-                return Advance::Taken;
+            if is_whole || self.link_forces > self.patience.most_link_forces {
+                return SubstepOutcome::Taken;
             }
         }
     }
 
     /// Notes the pairs of bodies that push each other.
-    fn meet(&mut self, pairs: &[[usize; 2]]) {
+    fn record_contacts(&mut self, pairs: &[[usize; 2]]) {
         for &[one, other] in pairs {
-            self.met.meet([one, other]);
+            self.contact_groups.join([one, other]);
             if one == other {
-                self.bodies[one].strike_itself();
+                self.accounts[one].mark_self_contact();
             }
         }
     }
 
-    fn look<R: Real>(&mut self, simulation: &Simulation<R>, look: bool, close: bool) {
-        let (seen, met) = if look { simulation.diagnostics_of_each() } else { Default::default() };
-        self.meet(&met);
+    fn take_sample<R: Real>(&mut self, simulation: &Simulation<R>, is_sample_due: bool, ends_window: bool) {
+        let (seen, met) = if is_sample_due { simulation.diagnostics_of_each() } else { Default::default() };
+        self.record_contacts(&met);
         let mut seen = seen.into_iter();
-        for account in &mut self.bodies {
+        for account in &mut self.accounts {
             if let Some(now) = seen.next() {
-                self.looks.extend(account.look(simulation, now, &self.taken));
+                self.samples.extend(account.take_sample(simulation, now, &self.totals));
             }
         }
-        if close {
-            self.close();
+        if ends_window {
+            self.close_window();
         }
-        let fault = (0..self.bodies.len())
-            .find_map(|body| self.bodies[body].fault(self.verdict.simulated_secs, self.given_by_others(body)));
+        let fault = (0..self.accounts.len())
+            .find_map(|body| self.accounts[body].fault(self.verdict.simulated_secs, self.energy_from_others(body)));
         if let Some((fault, words)) = fault {
-            self.condemn(fault, words);
+            self.record_fault(fault, words);
         }
     }
 
     /// Closes the window of every body, together with those that it has met.
-    fn close(&mut self) {
-        let Self { bodies, met, verdict, taken, .. } = self;
+    fn close_window(&mut self) {
+        let Self { accounts, contact_groups, verdict, totals, .. } = self;
         // Rounding errors grow with the parts of substeps, too.
-        let parts = taken.counters.substeps.max(verdict.substeps);
-        for first in 0..bodies.len() {
-            let those = bodies.iter_mut().zip(met.first()).filter(|(_, of)| **of == first);
-            let mut those: Vec<&mut Account> = those.map(|(account, _)| account).collect();
+        let parts = totals.counters.substeps.max(verdict.substeps);
+        for first in 0..accounts.len() {
+            let those = accounts.iter_mut().zip(contact_groups.representatives()).filter(|(_, of)| **of == first);
+            let mut those: Vec<&mut EnergyAccount> = those.map(|(account, _)| account).collect();
             if !those.is_empty() {
-                verdict.largest_gain = verdict.largest_gain.max(Account::close(&mut those, parts));
+                verdict.largest_gain = verdict.largest_gain.max(EnergyAccount::close_window(&mut those, parts));
             }
         }
     }
 
     /// The most energy that the bodies met by a body could have given it, J; none where it has met no other.
-    fn given_by_others(&self, body: usize) -> Option<f64> {
-        let first = self.met.first();
-        let others = self.bodies.iter().enumerate().filter(|(other, _)| *other != body && first[*other] == first[body]);
-        others.map(|(_, account)| account.turnover()).reduce(|sum, one| sum + one)
+    fn energy_from_others(&self, body: usize) -> Option<f64> {
+        let representatives = self.contact_groups.representatives();
+        let others = self
+            .accounts
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != body && representatives[*other] == representatives[body]);
+        others.map(|(_, account)| account.max_allowed_energy()).reduce(|sum, one| sum + one)
     }
 
-    fn condemn(&mut self, fault: Fault, words: String) {
+    fn record_fault(&mut self, fault: Fault, words: String) {
         (self.verdict.fault, self.verdict.words) = (Some(fault), words);
     }
 }
 
-/// The substep of a look. Looks are `between` substeps apart on average, shifted by multiples of the golden ratio (Weyl
-/// 1916). The energy of a vibration swings twice in its period, by a quarter of `(dt ω)²`; looks in step with it would take
+/// The substep of a sample. Samples are `between` substeps apart on average, shifted by multiples of the golden ratio (Weyl
+/// 1916). The energy of a vibration swings twice in its period, by a quarter of `(dt ω)²`; samples in step with it would take
 /// one end of the swing for the mean.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a few substeps")]
-fn nth_look(number: u64, between: u64) -> u64 {
+fn nth_sample_substep(number: u64, between: u64) -> u64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let share = number as f64 * GOLDEN;
     number * between + ((share - share.floor()) * between as f64) as u64

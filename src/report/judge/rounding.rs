@@ -24,16 +24,16 @@ use crate::physics::BodyModel;
 use crate::physics::SAFETY;
 
 /// Units in the last place by which rounding may misplace a particle at the start.
-const MISPLACED: f64 = 8.0;
+const START_ERROR_ULPS: f64 = 8.0;
 
 /// The roundings in a length, as a sum of the squares of their shares.
-const OF_LENGTH: f64 = 3.75;
+const LENGTH_ROUNDINGS: f64 = 3.75;
 
 /// The energy of a kick in automatic stepping over ½ κ δ².
-const KICK: f64 = 4.0 * SAFETY * SAFETY * (1.0 - 0.5 * SAFETY * SAFETY) / (1.0 - SAFETY * SAFETY);
+const KICK_ENERGY_RATIO: f64 = 4.0 * SAFETY * SAFETY * (1.0 - 0.5 * SAFETY * SAFETY) / (1.0 - SAFETY * SAFETY);
 
 /// One random walk in this many exceeds the bound.
-const WALKS: f64 = 1e6;
+const WALKS_PER_EXCESS: f64 = 1e6;
 
 /// The quantities that rounding acts on in one body.
 #[derive(Debug)]
@@ -43,46 +43,47 @@ pub(super) struct Rounding {
     /// κ of all links and contacts together, N/m.
     stiffness: f64,
     /// κ l² of all links together, J.
-    of_lengths: f64,
+    link_energy_scale: f64,
     /// The farthest coordinate that was seen, m.
-    farthest: f64,
+    max_coordinate: f64,
 }
 
 impl Rounding {
     pub(super) fn of<R: Real>(body: &BodyModel<R>) -> Self {
-        let (mut stiffness, mut of_lengths) = (0.0, 0.0);
+        let (mut stiffness, mut link_energy_scale) = (0.0, 0.0);
         for family in &body.links {
             for (number, link) in family.links.iter().enumerate() {
                 let [length, force] = [link.rest_length, family.constants(number)[0]].map(Real::to_f64);
                 stiffness += force / length;
-                of_lengths += force * length;
+                link_energy_scale += force * length;
             }
         }
         let contacts: f64 = body.contacts.iter().map(|contact| contact.stiffness.to_f64()).sum();
         stiffness += contacts * body.particles.len() as f64;
-        Self { epsilon: R::EPSILON.to_f64(), stiffness, of_lengths, farthest: 0.0 }
+        Self { epsilon: R::EPSILON.to_f64(), stiffness, link_energy_scale, max_coordinate: 0.0 }
     }
 
     /// Takes note of where the body is.
-    pub(super) fn see(&mut self, bounds: Aabb<f64>) {
-        self.farthest = self.farthest.max(bounds.min.abs().max(bounds.max.abs()).max_element());
+    pub(super) fn include(&mut self, bounds: Aabb<f64>) {
+        self.max_coordinate = self.max_coordinate.max(bounds.min.abs().max(bounds.max.abs()).max_element());
     }
 
     /// The most energy that rounding errors may show after `substeps` substeps, J.
     pub(super) fn energy(&self, substeps: u64) -> f64 {
-        let at_start = self.of_misplaced(MISPLACED * MISPLACED, MISPLACED * MISPLACED);
-        at_start + WALKS.ln() * substeps as f64 * self.mean_kick()
+        let at_start =
+            self.displacement_energy(START_ERROR_ULPS * START_ERROR_ULPS, START_ERROR_ULPS * START_ERROR_ULPS);
+        at_start + WALKS_PER_EXCESS.ln() * substeps as f64 * self.mean_kick()
     }
 
     /// The most energy that a substep gives on average, J.
     fn mean_kick(&self) -> f64 {
-        KICK / 12.0 * self.of_misplaced(2.0, OF_LENGTH)
+        KICK_ENERGY_RATIO / 12.0 * self.displacement_energy(2.0, LENGTH_ROUNDINGS)
     }
 
     /// ½ κ δ² of all links, where δ² is `places` times ε² x² plus `lengths` times ε² l², J.
-    fn of_misplaced(&self, places: f64, lengths: f64) -> f64 {
-        let places = places * self.stiffness * self.farthest * self.farthest;
-        0.5 * self.epsilon * self.epsilon * (places + lengths * self.of_lengths)
+    fn displacement_energy(&self, places: f64, lengths: f64) -> f64 {
+        let places = places * self.stiffness * self.max_coordinate * self.max_coordinate;
+        0.5 * self.epsilon * self.epsilon * (places + lengths * self.link_energy_scale)
     }
 }
 
@@ -116,7 +117,7 @@ mod tests {
         let scene = light_cube(turned);
         let mut simulation = Simulation::<R>::new(&scene, &lattices(&scene).expect("a cube"));
         let mut rounding = Rounding::of(&simulation.model().bodies[0]);
-        rounding.see(simulation.diagnostics().bounds);
+        rounding.include(simulation.diagnostics().bounds);
         for _ in 0..4000 {
             simulation.substep(&mut ());
         }
@@ -129,7 +130,10 @@ mod tests {
         let [shown, most] = [walks.iter().map(|w| w.0).sum::<f64>(), walks.iter().map(|w| w.1).sum()];
         assert!(shown < most, "{shown} J shown, {most} J derived");
         assert!(shown > 0.1 * most, "{shown} J shown, {most} J derived: no room for anything else");
-        assert!(walks.iter().all(|(shown, most)| *shown < WALKS.ln() * most), "no walk goes that far: {walks:?}");
+        assert!(
+            walks.iter().all(|(shown, most)| *shown < WALKS_PER_EXCESS.ln() * most),
+            "no walk goes that far: {walks:?}"
+        );
     }
 
     #[test]

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::*;
 use crate::math::rng::Rng;
 use crate::physics::Arrival;
-use crate::report::disturb::What;
+use crate::report::disturb::DisturbanceKind;
 use crate::report::extremes::{Edition, extreme_of, lattices};
 use crate::scene::body::{CubeShape, Pose};
 use crate::scene::material::{Material, Spring, Springs};
@@ -22,13 +22,13 @@ fn falling_cube() -> Scene {
     scene
 }
 
-fn seen(scene: &Scene, mut meddle: impl FnMut(&mut Simulation<f32>, u64)) -> Verdict {
+fn seen(scene: &Scene, mut disturb: impl FnMut(&mut Simulation<f32>, u64)) -> Verdict {
     let mut simulation = Simulation::new(scene, &lattices(scene).expect("sound shapes"));
-    let mut watch = Watch::open(&simulation, PATIENCE);
+    let mut motion_judge = MotionJudge::open(&simulation, PATIENCE);
     loop {
-        meddle(&mut simulation, watch.verdict.substeps);
-        if !watch.substep(&mut simulation) {
-            return watch.verdict();
+        disturb(&mut simulation, motion_judge.verdict.substeps);
+        if !motion_judge.substep(&mut simulation) {
+            return motion_judge.verdict();
         }
     }
 }
@@ -120,7 +120,7 @@ fn kicked(share: f32) -> Verdict {
 #[test]
 fn the_work_of_an_obstacle_may_be_had_and_more_may_not() {
     let sound = kicked(0.0);
-    assert!(sound.fault.is_none() && sound.largest_gain < GAIN && sound.substeps > 1500, "{sound:?}");
+    assert!(sound.fault.is_none() && sound.largest_gain < MAX_ENERGY_GAIN && sound.substeps > 1500, "{sound:?}");
     // The kick keeps a tenth of it, the damping takes the rest.
     let gained = kicked(12.0);
     assert_eq!(gained.fault, Some(Fault::Energy), "{gained:?}");
@@ -183,12 +183,12 @@ fn a_plane_that_sweeps_away_leaves_a_thrown_body_all_its_energy() {
     // The plane would stop the body in the coming substep.
     let scene = soft_cube([0.0, -100.0, 0.0], -0.2);
     let away = Box::new(Scene { obstacles: vec![plane_at(-1000.0)], ..scene.clone() });
-    let sweep = What::Obstacles { scene: away, arrival: Arrival::Swept };
-    let at_once = [sweep, What::Throw(0)].map(|what| Disturbance { at_secs: 0.01, what });
+    let sweep = DisturbanceKind::Obstacles { scene: away, arrival: Arrival::Swept };
+    let at_once = [sweep, DisturbanceKind::Throw(0)].map(|kind| Disturbance { at_secs: 0.01, kind });
     let lattices = lattices(&scene).expect("a cube");
     let mut works = Vec::new();
-    let verdict = judge_followed::<f32>(&scene, &at_once, &lattices, PATIENCE, |seen| {
-        if let Seen::Disturbed(_, work) = seen {
+    let verdict = judge_with_events::<f32>(&scene, &at_once, &lattices, PATIENCE, |seen| {
+        if let JudgeEvent::Disturbed(_, work) = seen {
             works.push(work);
         }
     });
@@ -207,13 +207,16 @@ fn a_strained_body_gets_as_far_as_it_is_pushed_in_the_first_part_of_a_substep() 
     // This lines up all its links.
     state.position.iter_mut().for_each(|x| *x = Vec3::X * (3.0 * x.x + 2.0 * x.y + 1.5 * x.z));
     simulation.set_state(state);
-    let mut watch = Watch::open(&simulation, PATIENCE);
+    let mut motion_judge = MotionJudge::open(&simulation, PATIENCE);
     let after = Scene { obstacles: vec![plane_at(15.0)], ..scene.clone() };
     simulation.set_parameters(&after, &lattices, &[Some(0)], Arrival::Swept);
-    assert!(watch.substep(&mut simulation) && watch.taken.counters.substeps > 1, "in parts: {watch:?}");
-    while watch.substep(&mut simulation) {}
+    assert!(
+        motion_judge.substep(&mut simulation) && motion_judge.totals.counters.substeps > 1,
+        "in parts: {motion_judge:?}"
+    );
+    while motion_judge.substep(&mut simulation) {}
     assert!(simulation.diagnostics().center.y > 300.0, "{} m up", simulation.diagnostics().center.y);
-    assert_eq!(watch.verdict().fault, None, "it is pushed at 960 m/s");
+    assert_eq!(motion_judge.verdict().fault, None, "it is pushed at 960 m/s");
 }
 
 #[test]
@@ -267,12 +270,12 @@ fn a_light_part_gets_as_far_as_the_heavy_rest_throws_it_and_no_further() {
 #[test]
 fn looks_are_in_step_with_no_vibration() {
     for between in 2..40 {
-        // Evenly spaced looks would all see the end of the swing.
+        // Evenly spaced samples would all see the end of the swing.
         let swing = |look| (2.0 * std::f64::consts::PI * look as f64 / between as f64).cos();
-        let looks: Vec<u64> = (0..80).map(|number| nth_look(number, between)).collect();
-        assert!(looks.is_sorted_by(|one, next| one < next), "one after another");
-        for window in looks.chunks(usize::try_from(LOOKS).expect("a few")) {
-            let mean = window.iter().map(|&look| swing(look)).sum::<f64>() / LOOKS as f64;
+        let samples: Vec<u64> = (0..80).map(|number| nth_sample_substep(number, between)).collect();
+        assert!(samples.is_sorted_by(|one, next| one < next), "one after another");
+        for window in samples.chunks(usize::try_from(SAMPLES_PER_WINDOW).expect("a few")) {
+            let mean = window.iter().map(|&substep| swing(substep)).sum::<f64>() / SAMPLES_PER_WINDOW as f64;
             assert!(mean.abs() < 0.3, "{mean} of the swing, {between} substeps to a look");
         }
     }

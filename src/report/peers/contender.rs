@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::cube::Cube;
-use crate::report::error::Way;
+use crate::report::error::SteppingMethod;
 use crate::scene::settings::Integrator;
 use crate::scene::{Material, Solid};
 
@@ -55,7 +55,7 @@ pub(super) struct Tuning {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contender {
     /// Gelatin.
-    Ours(Way),
+    Ours(SteppingMethod),
     /// Another engine.
     Peer(Peer),
 }
@@ -63,8 +63,8 @@ pub enum Contender {
 impl Contender {
     /// All contenders, ours first.
     pub const ALL: [Self; 5] = [
-        Self::Ours(Way::Automatic),
-        Self::Ours(Way::Manual(Integrator::Verlet)),
+        Self::Ours(SteppingMethod::Automatic),
+        Self::Ours(SteppingMethod::Manual(Integrator::Verlet)),
         Self::Peer(Peer::Links),
         Self::Peer(Peer::Cells),
         Self::Peer(Peer::Elements),
@@ -73,9 +73,9 @@ impl Contender {
     /// The name in tables and pictures.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Ours(Way::Automatic) => "Gelatin, automatic",
-            Self::Ours(Way::Manual(Integrator::Verlet)) => "Gelatin, Verlet",
-            Self::Ours(way) => way.name(),
+            Self::Ours(SteppingMethod::Automatic) => "Gelatin, automatic",
+            Self::Ours(SteppingMethod::Manual(Integrator::Verlet)) => "Gelatin, Verlet",
+            Self::Ours(method) => method.name(),
             Self::Peer(Peer::Links) => "rapier, our links",
             Self::Peer(Peer::Cells) => "rapier, cells",
             Self::Peer(Peer::Elements) => "rapier, finite elements",

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::geometry::{Lattice, Watch};
 use crate::physics::{BodyModel, Simulation};
-use crate::report::error::LOOK_SECS;
-use crate::report::error::Way;
-use crate::report::error::follow::{follow, whole};
+use crate::report::error::SAMPLE_INTERVAL_SECS;
+use crate::report::error::SteppingMethod;
+use crate::report::error::recording::{record_run, rounded_count};
 use crate::report::error::scenes::hanging;
 use crate::report::extremes::lattices;
 use crate::scene::resolve::ResolveError;
@@ -41,14 +41,16 @@ impl Cube {
     }
 
     /// The particles' rest positions, by automatic stepping in double precision, m; none where `watch` cancels.
-    pub(super) fn rest(&self, watch: &dyn Watch) -> Option<Vec<[f64; 3]>> {
-        let mut scene = Way::Automatic.applied(&self.scene, REST_STEP_SECS);
+    pub(super) fn rest_positions(&self, watch: &dyn Watch) -> Option<Vec<[f64; 3]>> {
+        let mut scene = SteppingMethod::Automatic.applied(&self.scene, REST_STEP_SECS);
         for body in &mut scene.bodies {
             if let Material::Solid(solid) = &mut body.material {
                 solid.damping_ratio = REST_DAMPING_RATIO;
             }
         }
-        follow::<f64>(&scene, &self.lattices, whole(REST_SECS / LOOK_SECS), None, watch).looks.pop()
+        record_run::<f64>(&scene, &self.lattices, rounded_count(REST_SECS / SAMPLE_INTERVAL_SECS), None, watch)
+            .samples
+            .pop()
     }
 
     /// How far the lowest layer of particles has sunk on average, m.

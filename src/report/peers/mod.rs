@@ -17,9 +17,9 @@
 
 mod contender;
 mod cube;
-mod jellies;
 mod matching;
 pub mod pile;
+mod pile_scene;
 mod rapier;
 pub mod words;
 
@@ -27,16 +27,20 @@ use serde::Serialize;
 
 use crate::geometry::Watch;
 use crate::geometry::watch::CancelOnly;
-use crate::report::error::follow::{Followed, Lost, follow, mean_square, size, whole};
-use crate::report::error::measured::{Measured, front};
+use crate::report::error::recording::{
+    DivergenceTest, RecordedRun, initial_extent, mean_square_distance, record_run, rounded_count,
+};
 use crate::report::error::reference::{Reference, fine_step};
-use crate::report::error::{CONVERGES, LOOK_SECS, LOST, REFERENCE, REPEATS, Way};
+use crate::report::error::repeated_run::{RepeatedRun, pareto_front};
+use crate::report::error::{
+    CONVERGENCE_CRITERION, DIVERGED_ERROR_RATIO, REFERENCE, REPEATS, SAMPLE_INTERVAL_SECS, SteppingMethod,
+};
 use crate::scene::Solid;
 use crate::scene::resolve::ResolveError;
 pub use contender::{Contender, Peer};
 use cube::Cube;
-pub use matching::{Matched, SAME_SAG};
-use matching::{is_same_sag, matched, rest, swing};
+pub use matching::{MatchedPeer, SAME_SAG};
+use matching::{is_same_sag, match_peer, run_swing, run_to_rest};
 use rapier::SKIN_SHARE;
 pub use rapier::SUBSTEPS;
 
@@ -84,14 +88,14 @@ pub struct PeersFigures {
     pub reference_dt_secs: f64,
     /// Difference between the reference and the same at twice the step.
     pub reference_error_m: f64,
-    pub peers: Vec<Matched>,
+    pub peers: Vec<MatchedPeer>,
     pub rows: Vec<Row>,
     /// Results that contradict both engines solving the equations of the same links.
     pub defects: Vec<String>,
 }
 
-/// Measures a cube of `divisions` cells an edge by a swing of `seconds`, a multiple of [`LOOK_SECS`]; none where `watch`
-/// cancels. Run it on one thread.
+/// Measures a cube of `divisions` cells an edge by a swing of `seconds`, a multiple of [`SAMPLE_INTERVAL_SECS`]; none where
+/// `watch` cancels. Run it on one thread.
 ///
 /// # Errors
 /// If the cube cannot be made.
@@ -102,41 +106,45 @@ pub fn measure(divisions: u32, seconds: f64, watch: &dyn Watch) -> Result<Option
 
 /// Compares our cube with peers made from another cube of the same particles.
 fn compare([ours, theirs]: [&Cube; 2], seconds: f64, watch: &dyn Watch) -> Option<PeersFigures> {
-    let looks = whole(seconds / LOOK_SECS).max(1);
+    let samples = rounded_count(seconds / SAMPLE_INTERVAL_SECS).max(1);
     let fine = fine_step(&ours.scene, &ours.lattices, REFERENCE_SECS);
-    let both = [fine, 2.0 * fine].map(|dt| Way::Manual(REFERENCE).applied(&ours.scene, dt));
-    let reference = Reference::of(both.each_ref(), &ours.lattices, looks, false, [0.05, 0.08], watch)?;
+    let both = [fine, 2.0 * fine].map(|dt| SteppingMethod::Manual(REFERENCE).applied(&ours.scene, dt));
+    let reference = Reference::of(both.each_ref(), &ours.lattices, samples, false, [0.05, 0.08], watch)?;
     // Progress is reported between runs, as reporting it takes processor time.
     let quiet = &CancelOnly(watch);
-    let at_rest = ours.rest(quiet)?;
+    let at_rest = ours.rest_positions(quiet)?;
     let sag_m = ours.sag(&at_rest);
     let mut peers = Vec::new();
     for (done, peer) in Peer::ALL.into_iter().enumerate() {
-        peers.push(matched(theirs, peer, sag_m, &reference.looks, quiet)?);
+        peers.push(match_peer(theirs, peer, sag_m, &reference.samples, quiet)?);
         watch.progress(0.08 + 0.32 * (done + 1) as f64 / Peer::ALL.len() as f64);
     }
     let mut settings = Vec::new();
     for contender in Contender::ALL {
         let steps: &[f64] = if matches!(contender, Contender::Ours(_)) { &OUR_STEPS_SECS } else { &THEIR_STEPS_SECS };
         for &dt in steps {
-            let still = match peers.iter().find(|matched| contender == Contender::Peer(matched.peer)) {
-                Some(matched) => rest(theirs, matched.peer, matched.tuning(), dt, quiet)?,
+            let rest_positions = match peers.iter().find(|matched| contender == Contender::Peer(matched.peer)) {
+                Some(matched) => run_to_rest(theirs, matched.peer, matched.tuning(), dt, quiet)?,
                 // The rest position of our cube depends on nothing that is chosen here.
                 None => at_rest.clone(),
             };
-            settings.push(Setting { contender, dt, still, measured: Measured::new() });
+            settings.push(Setting { contender, dt, rest_positions, measured: RepeatedRun::new() });
         }
     }
     watch.progress(0.6);
-    let lost_m = LOST * size(&reference.looks);
+    let max_error_m = DIVERGED_ERROR_RATIO * initial_extent(&reference.samples);
     for repeat in 0..REPEATS {
         for setting in settings.iter_mut().filter(|setting| !setting.measured.diverged) {
             let Setting { contender, dt, measured, .. } = setting;
-            measured.run(&reference.looks, lost_m, |lost| match contender {
-                Contender::Ours(way) => {
-                    follow::<f32>(&way.applied(&ours.scene, *dt), &ours.lattices, looks, Some(lost), quiet)
-                }
-                Contender::Peer(peer) => let_go(theirs, *peer, &peers, *dt, looks, lost, quiet),
+            measured.run(&reference.samples, max_error_m, |is_diverged| match contender {
+                Contender::Ours(method) => record_run::<f32>(
+                    &method.applied(&ours.scene, *dt),
+                    &ours.lattices,
+                    samples,
+                    Some(is_diverged),
+                    quiet,
+                ),
+                Contender::Peer(peer) => swing_matched_peer(theirs, *peer, &peers, *dt, samples, is_diverged, quiet),
             });
             if watch.cancelled() {
                 return None;
@@ -150,7 +158,7 @@ fn compare([ours, theirs]: [&Cube; 2], seconds: f64, watch: &dyn Watch) -> Optio
         divisions: ours.divisions,
         particles: ours.body.start.len(),
         links: ours.body.links.iter().map(|family| family.links.len()).sum(),
-        simulated_secs: looks as f64 * LOOK_SECS,
+        simulated_secs: samples as f64 * SAMPLE_INTERVAL_SECS,
         sag_m,
         reference_dt_secs: reference.dt_secs,
         reference_error_m: reference.error_m,
@@ -160,39 +168,40 @@ fn compare([ours, theirs]: [&Cube; 2], seconds: f64, watch: &dyn Watch) -> Optio
     })
 }
 
-fn let_go(
+fn swing_matched_peer(
     cube: &Cube,
     peer: Peer,
-    peers: &[Matched],
+    peers: &[MatchedPeer],
     dt: f64,
-    looks: u64,
-    lost: Lost<'_>,
+    samples: u64,
+    is_diverged: DivergenceTest<'_>,
     watch: &dyn Watch,
-) -> Followed {
-    let tuning = peers.iter().find(|matched| matched.peer == peer).map_or_else(|| peer.start(cube), Matched::tuning);
-    swing(cube, peer, tuning, dt, looks, Some(lost), watch)
+) -> RecordedRun {
+    let tuning =
+        peers.iter().find(|matched| matched.peer == peer).map_or_else(|| peer.start(cube), MatchedPeer::tuning);
+    run_swing(cube, peer, tuning, dt, samples, Some(is_diverged), watch)
 }
 
 /// One contender at one step, with its measurements so far.
 struct Setting {
     contender: Contender,
     dt: f64,
-    still: Vec<[f64; 3]>,
-    measured: Measured,
+    rest_positions: Vec<[f64; 3]>,
+    measured: RepeatedRun,
 }
 
 impl Setting {
     fn row(self, cube: &Cube, at_rest: &[[f64; 3]], wanted_m: f64) -> Row {
         let [wall_secs_median, wall_secs_min, wall_secs_max] = self.measured.wall_secs();
         let [processor_secs_median, processor_secs_min, processor_secs_max] = self.measured.processor_secs();
-        let sag_m = cube.sag(&self.still);
+        let sag_m = cube.sag(&self.rest_positions);
         Row {
             contender: self.contender,
             dt_secs: self.dt,
             sag_m,
             same_sag: is_same_sag(sag_m, wanted_m),
             swing_rms_m: (!self.measured.diverged).then_some(self.measured.error_m),
-            rest_rms_m: mean_square(&self.still, at_rest).sqrt(),
+            rest_rms_m: mean_square_distance(&self.rest_positions, at_rest).sqrt(),
             wall_secs_median,
             wall_secs_min,
             wall_secs_max,
@@ -208,17 +217,17 @@ impl Setting {
 fn mark_pareto(rows: &mut [Row]) {
     let error = |row: &Row| row.swing_rms_m.filter(|_| row.same_sag).unwrap_or(f64::INFINITY);
     let figures: Vec<_> = rows.iter().map(|row| (row.processor_secs_median, error(row))).collect();
-    for (row, is_best) in rows.iter_mut().zip(front(&figures)) {
+    for (row, is_best) in rows.iter_mut().zip(pareto_front(&figures)) {
         row.pareto = is_best && error(row).is_finite();
     }
 }
 
 /// Finds results that contradict both engines solving the equations of the same links: another stiffness at the same sag, or
 /// an error that does not shrink with the step.
-fn defects(peers: &[Matched], rows: &[Row]) -> Vec<String> {
+fn defects(peers: &[MatchedPeer], rows: &[Row]) -> Vec<String> {
     let mut found = Vec::new();
     if let Some(links) = peers.iter().find(|matched| matched.peer == Peer::Links) {
-        let Matched { stiffness, same_sag, .. } = links;
+        let MatchedPeer { stiffness, same_sag, .. } = links;
         if !same_sag {
             found.push("the peer with our links never hangs as low as ours".to_owned());
         } else if (stiffness - 1.0).abs() > SAME_SAG {
@@ -229,7 +238,7 @@ fn defects(peers: &[Matched], rows: &[Row]) -> Vec<String> {
     }
     let of_links = |row: &&Row| row.contender == Contender::Peer(Peer::Links);
     let errors: Vec<_> = rows.iter().filter(of_links).filter_map(|row| Some((row.dt_secs, row.swing_rms_m?))).collect();
-    let [least_steps, shrinks] = CONVERGES;
+    let [least_steps, shrinks] = CONVERGENCE_CRITERION;
     let does_not = errors.last().is_some_and(|&(dt, finest)| {
         let coarse = errors.iter().rfind(|(coarse, _)| *coarse >= (least_steps - 1e-9) * dt);
         coarse.is_none_or(|(_, coarse)| finest > shrinks * coarse)

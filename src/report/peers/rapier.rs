@@ -15,10 +15,10 @@ use rapier3d::pipeline::PhysicsWorld;
 
 use super::contender::{Peer, Tuning};
 use super::cube::Cube;
-use super::jellies::{Pile, outside};
+use super::pile_scene::{Pile, outer_faces};
 use crate::geometry::Watch;
 use crate::physics::BodyModel;
-use crate::report::error::follow::{Ended, Steps};
+use crate::report::error::recording::{StepOutcome, Stepper};
 use crate::scene::material::POISSON_RATIO;
 use crate::scene::{Obstacle, ObstacleShape};
 
@@ -33,7 +33,7 @@ const TETRAHEDRA: [[[usize; 4]; 5]; 2] = [
 /// Rapier holds surfaces apart by this share of the edge of a cell: its contacts need some skin.
 pub(super) const SKIN_SHARE: f64 = 0.05;
 /// Half the thickness of the ground, m.
-const GROUND_M: f64 = 0.5;
+const GROUND_HALF_THICKNESS: f64 = 0.5;
 
 /// A world with soft bodies: the cube and nothing else, or a pile in its bowl.
 pub(super) struct World {
@@ -43,10 +43,10 @@ pub(super) struct World {
 
 impl World {
     pub(super) fn new(cube: &Cube, peer: Peer, tuning: Tuning, dt_secs: f64) -> Self {
-        let mut world = empty(cube.scene.settings.gravity, dt_secs);
+        let mut world = empty_world(cube.scene.settings.gravity, dt_secs);
         let body = &cube.body;
         // The cube has nothing to collide with.
-        let builder = particles(body).linear_damping(single(tuning.drag)).no_surface_collider();
+        let builder = particles(body).linear_damping(to_f32(tuning.drag)).no_surface_collider();
         let builder = match peer {
             Peer::Links => with_links(builder, body, tuning),
             Peer::Cells => with_cells(builder, body, tuning).solver(SoftBodySolver::Constraints),
@@ -59,18 +59,18 @@ impl World {
     /// The bodies of a pile, with our links as edges, and the obstacles they fall into; none where an obstacle cannot be
     /// made.
     pub(super) fn of_pile(pile: &Pile, dt_secs: f64) -> Option<Self> {
-        let mut world = empty(pile.scene.settings.gravity, dt_secs);
+        let mut world = empty_world(pile.scene.settings.gravity, dt_secs);
         for obstacle in &pile.scene.obstacles {
-            world.insert_collider(collider(obstacle)?.friction(single(obstacle.friction_dynamic)), None);
+            world.insert_collider(collider(obstacle)?.friction(to_f32(obstacle.friction_dynamic)), None);
         }
         let tuning = Tuning { stiffness: 1.0, damping: 1.0, drag: 0.0 };
         let insert = |(body, given): (&BodyModel<f64>, &crate::scene::Body)| {
             let skin = SKIN_SHARE * body.lattice.grid.cell_size;
-            let friction = single(given.friction_dynamic);
+            let friction = to_f32(given.friction_dynamic);
             let builder = particles(body)
-                .surface(outside(body))
-                .particle_radius(single(skin))
-                .surface_collider(ColliderBuilder::ball(single(skin)).friction(friction));
+                .surface(outer_faces(body))
+                .particle_radius(to_f32(skin))
+                .surface_collider(ColliderBuilder::ball(to_f32(skin)).friction(friction));
             world.insert_soft_body(with_links(builder, body, tuning))
         };
         let bodies = pile.bodies.iter().zip(&pile.scene.bodies).map(insert).collect();
@@ -78,10 +78,10 @@ impl World {
     }
 }
 
-fn empty(gravity: [f64; 3], dt_secs: f64) -> PhysicsWorld {
+fn empty_world(gravity: [f64; 3], dt_secs: f64) -> PhysicsWorld {
     let mut world = PhysicsWorld::new();
     world.gravity = vector(gravity);
-    world.integration_parameters.dt = single(dt_secs);
+    world.integration_parameters.dt = to_f32(dt_secs);
     world.integration_parameters.num_solver_iterations = SUBSTEPS;
     world
 }
@@ -90,7 +90,7 @@ fn empty(gravity: [f64; 3], dt_secs: f64) -> PhysicsWorld {
 fn particles(body: &BodyModel<f64>) -> SoftBodyBuilder {
     let all = || 0..body.start.len();
     SoftBodyBuilder::new(body.start.iter().map(|start| vector(start.to_array())).collect())
-        .masses(all().map(|particle| single(body.mass(particle))).collect())
+        .masses(all().map(|particle| to_f32(body.mass(particle))).collect())
         .pinned_particles(all().filter(|&particle| body.is_pinned(particle)).filter_map(|p| p.try_into().ok()))
         .can_sleep(false)
 }
@@ -99,10 +99,10 @@ fn particles(body: &BodyModel<f64>) -> SoftBodyBuilder {
 fn collider(obstacle: &Obstacle) -> Option<ColliderBuilder> {
     match &obstacle.shape {
         ObstacleShape::Plane(plane) => {
-            let [a, b] = plane.half_extents.map(single);
+            let [a, b] = plane.half_extents.map(to_f32);
             let [x, y, z] = plane.center;
-            let ground = ColliderBuilder::cuboid(a, single(GROUND_M), b);
-            Some(ground.translation(vector([x, y - GROUND_M, z])))
+            let ground = ColliderBuilder::cuboid(a, to_f32(GROUND_HALF_THICKNESS), b);
+            Some(ground.translation(vector([x, y - GROUND_HALF_THICKNESS, z])))
         }
         ObstacleShape::Mesh(mesh) => {
             let surface = mesh.surface()?;
@@ -116,11 +116,11 @@ fn collider(obstacle: &Obstacle) -> Option<ColliderBuilder> {
     }
 }
 
-impl Steps for World {
-    /// A position that is not finite is noticed at the next look.
-    fn step(&mut self, _: &dyn Watch) -> Ended {
+impl Stepper for World {
+    /// A position that is not finite is noticed at the next sample.
+    fn step(&mut self, _: &dyn Watch) -> StepOutcome {
         self.world.step();
-        Ended::Whole
+        StepOutcome::Completed
     }
 
     fn positions(&self) -> Vec<[f64; 3]> {
@@ -145,7 +145,7 @@ fn with_links(builder: SoftBodyBuilder, body: &BodyModel<f64>, tuning: Tuning) -
                 let frequency = (stiffness * inverse).sqrt();
                 let ratio = 0.5 * tuning.damping * damping * inverse / frequency;
                 edges.push(link.ends);
-                softness.push(SpringCoefficients::new(single(frequency / std::f64::consts::TAU), single(ratio)));
+                softness.push(SpringCoefficients::new(to_f32(frequency / std::f64::consts::TAU), to_f32(ratio)));
             }
         }
     }
@@ -165,19 +165,19 @@ fn with_cells(builder: SoftBodyBuilder, body: &BodyModel<f64>, tuning: Tuning) -
         .cells(lattice.cells.iter().flat_map(in_cell).collect())
         .cell_model(SoftBodyCellModel::Corotational)
         .material(SoftBodyMaterial {
-            young_modulus: single(tuning.stiffness),
-            poisson_ratio: single(POISSON_RATIO),
-            elastic_damping_ratio: single(tuning.damping),
+            young_modulus: to_f32(tuning.stiffness),
+            poisson_ratio: to_f32(POISSON_RATIO),
+            elastic_damping_ratio: to_f32(tuning.damping),
             ..SoftBodyMaterial::default()
         })
 }
 
 fn vector(at: [f64; 3]) -> Vector {
-    let [x, y, z] = at.map(single);
+    let [x, y, z] = at.map(to_f32);
     Vector::new(x, y, z)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "it computes in single precision")]
-fn single(value: f64) -> f32 {
+fn to_f32(value: f64) -> f32 {
     value as f32
 }

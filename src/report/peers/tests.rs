@@ -10,7 +10,7 @@ fn cube(young_modulus: f64) -> Cube {
 }
 
 fn compared(theirs: &Cube) -> PeersFigures {
-    compare([&cube(1e5), theirs], 6.0 * LOOK_SECS, &()).expect("not cancelled")
+    compare([&cube(1e5), theirs], 6.0 * SAMPLE_INTERVAL_SECS, &()).expect("not cancelled")
 }
 
 #[test]
@@ -18,7 +18,7 @@ fn another_engine_with_our_links_hangs_and_swings_as_ours() {
     let figures = compared(&cube(1e5));
     assert_eq!(figures.defects, Vec::<String>::new());
     assert!((0.03..0.06).contains(&figures.sag_m), "{} m", figures.sag_m);
-    for Matched { peer, same_sag, sag_m, .. } in &figures.peers {
+    for MatchedPeer { peer, same_sag, sag_m, .. } in &figures.peers {
         assert!(same_sag, "{peer:?} hangs {sag_m} m low, ours {} m", figures.sag_m);
     }
     let finest = |contender: Contender| figures.rows.iter().rfind(|row| row.contender == contender).expect("a row");
@@ -38,9 +38,9 @@ fn a_peer_of_another_stiffness_is_found_out() {
     assert!(figures.defects.iter().any(|defect| defect.contains("0.7")), "1/1.3 = 0.77: {:?}", figures.defects);
     assert!(markdown(&[figures], &PileFigures::default()).contains("only with 0.7"), "the page says so");
     let ours = cube(1e5);
-    let still = rest(&ours, Peer::Links, Tuning { stiffness: 1.3, ..Peer::Links.start(&ours) }, 0.008, &());
+    let still = run_to_rest(&ours, Peer::Links, Tuning { stiffness: 1.3, ..Peer::Links.start(&ours) }, 0.008, &());
     let sag = |still: &[[f64; 3]]| ours.sag(still);
-    let (stiff, ours) = (sag(&still.expect("it rests")), sag(&ours.rest(&()).expect("it rests")));
+    let (stiff, ours) = (sag(&still.expect("it rests")), sag(&ours.rest_positions(&()).expect("it rests")));
     assert!(!is_same_sag(stiff, ours) && stiff < 0.9 * ours, "untuned it hangs {stiff} m low, ours {ours} m");
 }
 
@@ -64,7 +64,7 @@ fn row(contender: Contender, error_m: f64, secs: f64, same_sag: bool) -> Row {
 
 #[test]
 fn only_bodies_of_the_same_sag_are_compared() {
-    let (ours, theirs) = (Contender::Ours(Way::Automatic), Contender::Peer(Peer::Cells));
+    let (ours, theirs) = (Contender::Ours(SteppingMethod::Automatic), Contender::Peer(Peer::Cells));
     let mut rows = vec![
         row(ours, 5e-4, 0.02, true),
         row(theirs, 5e-4, 0.05, true),

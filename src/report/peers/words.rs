@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::pile::{PileFigures, PileRow};
-use super::{Contender, Matched, Peer, PeersFigures, Row, SAME_SAG, SKIN_SHARE, SUBSTEPS};
+use super::{Contender, MatchedPeer, Peer, PeersFigures, Row, SAME_SAG, SKIN_SHARE, SUBSTEPS};
 use crate::report::error::words::quoted;
 
 /// Errors that somebody may want to stay below, m.
@@ -33,13 +33,13 @@ fn write_pile(text: &mut String, figures: &PileFigures) -> std::fmt::Result {
     for row in rows {
         let PileRow { contender, dt_secs, falling_secs, lying_secs, .. } = row;
         let [falling, lying] = [falling_secs, lying_secs].map(|secs| secs * 1e3);
-        let ended = match row.end {
+        let outcome = match row.end {
             Some(end) => {
                 format!("{:.2} | {:.1} | {}", end.deepest_m * 1e3, end.speed_m_s * 1e3, end.in_bowl)
             }
             None => "diverged | – | –".to_owned(),
         };
-        writeln!(text, "| {} | {} | {falling:.0} | {lying:.0} | {ended} |", contender.name(), dt_secs * 1e3)?;
+        writeln!(text, "| {} | {} | {falling:.0} | {lying:.0} | {outcome} |", contender.name(), dt_secs * 1e3)?;
     }
     if let Some(defect) = figures.defect() {
         writeln!(text, "\n**{defect}**")?;
@@ -112,8 +112,8 @@ fn write_cube(text: &mut String, figures: &PeersFigures) -> std::fmt::Result {
     Ok(())
 }
 
-fn matched_words(matched: &Matched) -> String {
-    let Matched { peer, stiffness, damping, sag_m, same_sag } = matched;
+fn matched_words(matched: &MatchedPeer) -> String {
+    let MatchedPeer { peer, stiffness, damping, sag_m, same_sag } = matched;
     let name = Contender::Peer(*peer).name();
     let made_of = match peer {
         Peer::Links => format!("{stiffness:.4} times the stiffness of our links and their damping"),

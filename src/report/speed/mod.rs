@@ -2,7 +2,7 @@
 //! that everybody writes first, in turns in one process; and scenes beside real time.
 
 pub mod naive;
-mod roof;
+mod peak_flops;
 pub mod scenes;
 pub mod words;
 
@@ -39,7 +39,7 @@ const REAL_STEP_SECS: f64 = 1e-3;
 const FLOPS_A_LINK: f64 = 32.0;
 
 /// Cells along the edge of the box of which a ring fills a tenth.
-const RING_BOX: i32 = 63;
+const RING_BOX_CELLS: i32 = 63;
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
@@ -47,16 +47,16 @@ pub struct Effort {
     /// Particles along an edge of the cubes.
     pub sizes: &'static [u32],
     /// The least number of links in a timing.
-    pub links: usize,
+    pub min_links: usize,
     /// How long scenes run, s of the wall clock.
     pub scene_secs: f64,
 }
 
 impl Effort {
     /// The effort of the published figures.
-    pub const FULL: Self = Self { sizes: &[10, 20, 40, 64, 100], links: 4_000_000, scene_secs: 6.0 };
+    pub const FULL: Self = Self { sizes: &[10, 20, 40, 64, 100], min_links: 4_000_000, scene_secs: 6.0 };
     /// An effort of some seconds.
-    pub const QUICK: Self = Self { sizes: &[10, 20], links: 200_000, scene_secs: 0.3 };
+    pub const QUICK: Self = Self { sizes: &[10, 20], min_links: 200_000, scene_secs: 0.3 };
 }
 
 /// One way to take the steps of a cube.
@@ -118,18 +118,19 @@ pub fn measure(effort: Effort, threads: usize, watch: &dyn Watch) -> Result<Opti
     let stages = effort.sizes.len() + 2;
     for (done, &n) in effort.sizes.iter().enumerate() {
         watch.progress(done as f64 / stages as f64);
-        let start = free(cube(n - 1))?;
-        let mut ways: Vec<Way> = levels.iter().map(|level| Way { level: *level, threads: 1 }).collect();
+        let start = free_body(cube(n - 1))?;
+        let mut modes: Vec<ExecutionMode> =
+            levels.iter().map(|level| ExecutionMode { level: *level, threads: 1 }).collect();
         if let (Some(widest), true) = (levels.last(), threads > 1 && pool.is_some()) {
-            ways.push(Way { level: *widest, threads });
+            modes.push(ExecutionMode { level: *widest, threads });
         }
-        rows.extend(compare(n, &start, &ways, pool.as_ref(), effort.links, peak));
+        rows.extend(compare(n, &start, &modes, pool.as_ref(), effort.min_links, peak));
         if watch.cancelled() {
             return Ok(None);
         }
     }
     let is_full = effort.sizes.contains(&64);
-    let ring_over_cube = if is_full { Some(ring_over_cube(effort.links)?) } else { None };
+    let ring_over_cube = if is_full { Some(ring_over_cube(effort.min_links)?) } else { None };
     watch.progress((stages - 1) as f64 / stages as f64);
     let scenes = scenes::measure(effort.scene_secs, threads, pool.as_ref())?;
     let largest_real_time_n = largest_real_time_n(&rows);
@@ -138,7 +139,7 @@ pub fn measure(effort: Effort, threads: usize, watch: &dyn Watch) -> Result<Opti
 
 /// How a simulation takes its steps.
 #[derive(Clone, Copy, Debug)]
-struct Way {
+struct ExecutionMode {
     level: SimdLevel,
     threads: usize,
 }
@@ -158,7 +159,7 @@ impl Times {
     }
 
     /// The time that counts for a number of threads.
-    fn by(self, threads: usize) -> f64 {
+    fn for_threads(self, threads: usize) -> f64 {
         if threads == 1 { self.processor } else { self.wall }
     }
 }
@@ -167,28 +168,29 @@ impl Times {
 fn compare(
     n: u32,
     start: &Simulation<f32>,
-    ways: &[Way],
+    modes: &[ExecutionMode],
     pool: Option<&ThreadPool>,
-    least_links: usize,
+    min_links: usize,
     peak_gflops: f64,
 ) -> Vec<SpeedRow> {
     let links: usize = start.model().link_counts().iter().sum();
     let particles = start.model().particle_count();
-    let steps = least_links.div_ceil(links);
+    let steps = min_links.div_ceil(links);
     let mut naive = Naive::new(start);
-    let mut simulations: Vec<_> = ways.iter().map(|way| prepared(start, *way)).collect();
-    let (mut of_naive, mut of_ways) = (Vec::new(), vec![Vec::new(); ways.len()]);
+    let mut simulations: Vec<_> = modes.iter().map(|mode| prepared(start, *mode)).collect();
+    let (mut naive_times, mut mode_times) = (Vec::new(), vec![Vec::new(); modes.len()]);
     for _ in 0..ROUNDS {
-        of_naive.push(Times::of(|| (0..steps).for_each(|_| naive.step(DT))));
-        for ((way, simulation), times) in ways.iter().zip(&mut simulations).zip(&mut of_ways) {
-            times.push(timed(simulation, *way, pool, steps));
+        naive_times.push(Times::of(|| (0..steps).for_each(|_| naive.step(DT))));
+        for ((mode, simulation), times) in modes.iter().zip(&mut simulations).zip(&mut mode_times) {
+            times.push(timed(simulation, *mode, pool, steps));
         }
     }
     black_box(naive.height());
-    let of_naive: [Vec<f64>; 2] = [1, 2].map(|threads| of_naive.iter().map(|times| times.by(threads)).collect());
+    let naive_times: [Vec<f64>; 2] =
+        [1, 2].map(|threads| naive_times.iter().map(|times| times.for_threads(threads)).collect());
     let row = |kernel, simd: &'static str, threads: usize, times: &[f64], hash| {
         let nanos = 1e9 * median(times) / steps as f64;
-        let naive = &of_naive[usize::from(threads > 1)];
+        let naive = &naive_times[usize::from(threads > 1)];
         let Change { median, low, high } = Change::of(naive, times);
         SpeedRow {
             n,
@@ -203,47 +205,47 @@ fn compare(
             hash,
         }
     };
-    let mut rows = vec![row("naive", SimdLevel::Portable.name(), 1, &of_naive[0], None)];
-    for ((way, simulation), times) in ways.iter().zip(&simulations).zip(of_ways) {
-        let times: Vec<f64> = times.iter().map(|times| times.by(way.threads)).collect();
+    let mut rows = vec![row("naive", SimdLevel::Portable.name(), 1, &naive_times[0], None)];
+    for ((mode, simulation), times) in modes.iter().zip(&simulations).zip(mode_times) {
+        let times: Vec<f64> = times.iter().map(|times| times.for_threads(mode.threads)).collect();
         let hash = format!("{:016x}", simulation.hash());
-        rows.push(row("exact", way.level.name(), way.threads, &times, Some(hash)));
+        rows.push(row("exact", mode.level.name(), mode.threads, &times, Some(hash)));
     }
     rows
 }
 
-fn prepared(start: &Simulation<f32>, way: Way) -> Simulation<f32> {
+fn prepared(start: &Simulation<f32>, mode: ExecutionMode) -> Simulation<f32> {
     let mut simulation = start.clone();
-    simulation.plan_mut().simd = way.level;
-    simulation.set_threads(way.threads);
+    simulation.plan_mut().simd = mode.level;
+    simulation.set_threads(mode.threads);
     simulation
 }
 
-fn timed(simulation: &mut Simulation<f32>, way: Way, pool: Option<&ThreadPool>, steps: usize) -> Times {
+fn timed(simulation: &mut Simulation<f32>, mode: ExecutionMode, pool: Option<&ThreadPool>, steps: usize) -> Times {
     let mut work = || {
         for _ in 0..steps {
             black_box(simulation.step());
         }
     };
-    match pool.filter(|_| way.threads > 1) {
-        Some(pool) => Times::of(|| pool.install(|| kept_awake(way.threads, work))),
+    match pool.filter(|_| mode.threads > 1) {
+        Some(pool) => Times::of(|| pool.install(|| kept_awake(mode.threads, work))),
         None => Times::of(&mut work),
     }
 }
 
 /// Time per link of a ring over that of a full cube in a box of the same size, by one thread at the widest level.
-fn ring_over_cube(least_links: usize) -> Result<f64, ResolveError> {
-    let way = Way { level: SimdLevel::best(), threads: 1 };
+fn ring_over_cube(min_links: usize) -> Result<f64, ResolveError> {
+    let mode = ExecutionMode { level: SimdLevel::best(), threads: 1 };
     let mut bodies = Vec::new();
-    for shape in [ring(), cube(RING_BOX.unsigned_abs())] {
-        let simulation = prepared(&free(shape)?, way);
+    for shape in [ring(), cube(RING_BOX_CELLS.unsigned_abs())] {
+        let simulation = prepared(&free_body(shape)?, mode);
         let links: usize = simulation.model().link_counts().iter().sum();
         bodies.push((simulation, links, Vec::new()));
     }
     for _ in 0..ROUNDS {
         for (simulation, links, times) in &mut bodies {
-            let steps = least_links.div_ceil(*links);
-            times.push(timed(simulation, way, None, steps).processor / (steps * *links) as f64);
+            let steps = min_links.div_ceil(*links);
+            times.push(timed(simulation, mode, None, steps).processor / (steps * *links) as f64);
         }
     }
     let [ring, cube] = [0, 1].map(|body| bodies[body].2.clone());
@@ -255,11 +257,11 @@ fn peak_gflops(level: SimdLevel) -> f64 {
     const LOOPS: u64 = 2_000_000;
     let secs = (0..ROUNDS).map(|_| {
         Times::of(|| {
-            black_box(roof::multiply_adds(level, LOOPS));
+            black_box(peak_flops::multiply_adds(level, LOOPS));
         })
         .processor
     });
-    (roof::FLOPS_A_ROUND * LOOPS) as f64 / secs.fold(f64::INFINITY, f64::min) / 1e9
+    (peak_flops::FLOPS_A_ROUND * LOOPS) as f64 / secs.fold(f64::INFINITY, f64::min) / 1e9
 }
 
 /// The largest cube in real time, from the fastest rows. A size between two measured ones has the time per particle of the
@@ -280,18 +282,19 @@ fn cube(cells: u32) -> Shape {
 
 /// A torus that fills a tenth of its box.
 fn ring() -> Shape {
-    let middle = 0.5 * f64::from(RING_BOX - 1);
-    let (around, thick) = (0.325 * f64::from(RING_BOX), 0.16 * f64::from(RING_BOX));
+    let middle = 0.5 * f64::from(RING_BOX_CELLS - 1);
+    let (around, thick) = (0.325 * f64::from(RING_BOX_CELLS), 0.16 * f64::from(RING_BOX_CELLS));
     let inside = |cell: &[i32; 3]| {
         let [x, y, z] = cell.map(|at| f64::from(at) - middle);
         ((x * x + y * y).sqrt() - around).hypot(z) < thick
     };
-    let all = (0..RING_BOX).flat_map(|z| (0..RING_BOX).flat_map(move |y| (0..RING_BOX).map(move |x| [x, y, z])));
-    Shape::Cells(CellsShape { list: all.filter(inside).collect(), size: 1.0 / f64::from(RING_BOX) })
+    let all = (0..RING_BOX_CELLS)
+        .flat_map(|z| (0..RING_BOX_CELLS).flat_map(move |y| (0..RING_BOX_CELLS).map(move |x| [x, y, z])));
+    Shape::Cells(CellsShape { list: all.filter(inside).collect(), size: 1.0 / f64::from(RING_BOX_CELLS) })
 }
 
 /// A moving body alone in space.
-fn free(shape: Shape) -> Result<Simulation<f32>, ResolveError> {
+fn free_body(shape: Shape) -> Result<Simulation<f32>, ResolveError> {
     let body = Body { shape, velocity: [0.1, 0.0, 0.0], ..Body::default() };
     let mut scene = Scene { bodies: vec![body], ..Scene::default() };
     (scene.settings.dt, scene.settings.stepping) = (f64::from(DT), Stepping::Manual);
@@ -332,7 +335,7 @@ mod tests {
 
     #[test]
     fn the_naive_loop_moves_a_body_as_the_core_does() {
-        let mut simulation = free(cube(3)).expect("a cube");
+        let mut simulation = free_body(cube(3)).expect("a cube");
         let mut naive = Naive::new(&simulation);
         let before = naive.height();
         for _ in 0..2000 {
@@ -346,7 +349,7 @@ mod tests {
     #[test]
     fn a_ring_fills_a_tenth_of_its_box() {
         let Shape::Cells(cells) = ring() else { panic!("a list of cells") };
-        let share = cells.list.len() as f64 / f64::from(RING_BOX).powi(3);
+        let share = cells.list.len() as f64 / f64::from(RING_BOX_CELLS).powi(3);
         assert!((0.09..0.18).contains(&share), "{share}");
     }
 

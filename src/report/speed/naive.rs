@@ -60,9 +60,9 @@ impl Naive {
         }
         for spring in springs.iter() {
             let [a, b] = spring.ends;
-            let way = particles[b].position - particles[a].position;
-            let length = way.length();
-            let direction = way / length;
+            let difference = particles[b].position - particles[a].position;
+            let length = difference.length();
+            let direction = difference / length;
             let rate = (particles[b].velocity - particles[a].velocity).dot(direction);
             let size =
                 spring.stiffness * (length / spring.rest_length - 1.0) + spring.damping * rate / spring.rest_length;

@@ -13,11 +13,11 @@ use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::{Scene, presets};
 
 /// The most simulated time, s: bodies at rest after that cost nothing.
-const LONGEST_SECS: f64 = 1.5;
+const MAX_SIMULATED_SECS: f64 = 1.5;
 
 /// The scene of bodies that meet, and how long it runs before it is measured, s: until they lie on each other.
-const MEETING: &str = "pile";
-const BEFORE_MEETING_SECS: f64 = 1.5;
+const PILE_SCENE: &str = "pile";
+const PILE_SETTLING_SECS: f64 = 1.5;
 
 /// How fast a scene is.
 #[derive(Clone, Debug, Serialize)]
@@ -29,13 +29,13 @@ pub struct SceneSpeed {
     pub simulated_secs: f64,
     pub real_time_factor: f64,
     /// Contact between bodies, in scenes of several.
-    pub meeting: Option<MeetingSpeed>,
+    pub meeting: Option<BodyContactSpeed>,
 }
 
 /// The amount and cost of contact between bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
-pub struct MeetingSpeed {
+pub struct BodyContactSpeed {
     pub bodies: usize,
     /// Mean number of contacts between bodies in a substep.
     pub contacts: f64,
@@ -60,8 +60,8 @@ pub(super) fn measure(
             lattices.push(resolve(&body.shape, Path::new("."), &())?.lattice);
         }
         let mut start = Simulation::<f32>::new(&scene, &lattices);
-        if name == MEETING {
-            start.run_for(BEFORE_MEETING_SECS);
+        if name == PILE_SCENE {
+            start.run_for(PILE_SETTLING_SECS);
         }
         speeds.push(speed(name, start.clone(), 1, None, wall_secs));
         let threads = start.threads_worth(threads);
@@ -85,7 +85,7 @@ fn speed(
     let (mut report, mut timer) = (StepReport::default(), WallTimer::default());
     let begin = Instant::now();
     let mut run = || {
-        while begin.elapsed().as_secs_f64() < wall_secs && passed(&simulation) < LONGEST_SECS {
+        while begin.elapsed().as_secs_f64() < wall_secs && passed(&simulation) < MAX_SIMULATED_SECS {
             report.add(&simulation.step_timed(&mut timer));
         }
     };
@@ -95,16 +95,16 @@ fn speed(
     }
     let (wall, simulated_secs) = (begin.elapsed().as_secs_f64(), passed(&simulation));
     let particles = simulation.model().particle_count();
-    let meeting = meeting(simulation.model().bodies.len(), &report, &timer, wall);
+    let meeting = body_contact_speed(simulation.model().bodies.len(), &report, &timer, wall);
     SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor: simulated_secs / wall, meeting }
 }
 
 /// Contact between a number of bodies over some time of the wall clock, s.
-fn meeting(bodies: usize, report: &StepReport, timer: &WallTimer, wall: f64) -> Option<MeetingSpeed> {
+fn body_contact_speed(bodies: usize, report: &StepReport, timer: &WallTimer, wall: f64) -> Option<BodyContactSpeed> {
     let [contacts, points, substeps] =
         [report.counters.body_contacts, report.counters.points_looked_for, report.counters.substeps]
             .map(|count| count as f64);
-    (bodies > 1).then(|| MeetingSpeed {
+    (bodies > 1).then(|| BodyContactSpeed {
         bodies,
         contacts: contacts / substeps.max(1.0),
         contacts_per_sec: contacts / wall,
@@ -116,7 +116,7 @@ fn meeting(bodies: usize, report: &StepReport, timer: &WallTimer, wall: f64) -> 
 fn scenes() -> Vec<(&'static str, Scene)> {
     let preset = |name| presets::preset(name).map(|preset| (name, (preset.build)()));
     let mut scenes: Vec<_> =
-        ["cube-on-plane", "spot", "coupler-20", "coupler-40", MEETING].into_iter().filter_map(preset).collect();
+        ["cube-on-plane", "spot", "coupler-20", "coupler-40", PILE_SCENE].into_iter().filter_map(preset).collect();
     if let Some((_, mut scene)) = preset("cube-on-plane") {
         let mut other = scene.bodies[0].clone();
         (scene.bodies[0].pose.position[0], other.pose.position[0]) = (-1.0, 1.0);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::scenes::{MeetingSpeed, SceneSpeed};
+use super::scenes::{BodyContactSpeed, SceneSpeed};
 use super::{SpeedFigures, SpeedRow};
 use crate::report::error::words::quoted;
 
@@ -76,7 +76,7 @@ fn write_meeting(text: &mut String, scenes: &[SceneSpeed]) -> std::fmt::Result {
          |---|---|---|---|---|---|---|"
     )?;
     for SceneSpeed { scene, threads, meeting, .. } in scenes {
-        if let Some(MeetingSpeed { bodies, contacts, contacts_per_sec, points_per_sec, share }) = meeting {
+        if let Some(BodyContactSpeed { bodies, contacts, contacts_per_sec, points_per_sec, share }) = meeting {
             writeln!(
                 text,
                 "| {scene} | {bodies} | {threads} | {contacts:.0} | {contacts_per_sec:.2e} | {points_per_sec:.2e} | {:.1} % |",
@@ -94,7 +94,7 @@ pub fn scenes_csv(scenes: &[SceneSpeed]) -> String {
         .to_owned();
     for SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor, meeting } in scenes {
         let meeting = meeting.map_or(",,,,".to_owned(), |meeting| {
-            let MeetingSpeed { bodies, contacts, contacts_per_sec, points_per_sec, share } = meeting;
+            let BodyContactSpeed { bodies, contacts, contacts_per_sec, points_per_sec, share } = meeting;
             format!("{bodies},{contacts},{contacts_per_sec},{points_per_sec},{share}")
         });
         // Writing to a String cannot fail.

@@ -28,7 +28,7 @@ const REST_SECS: [f64; 2] = [20.0, 8.0];
 /// A body slower than this is at rest: root mean square of the particles, m/s.
 const REST_SPEED: f64 = 1e-3;
 /// Halvings of the slope at which sliding begins, from 0.8 to 1.2 of the coefficient.
-const HALVINGS: usize = 7;
+const BISECTION_STEPS: usize = 7;
 
 /// One measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -146,9 +146,9 @@ impl Case {
             Self::Drop(share) => drop_ratio(rule, share),
             Self::Drift => drift::<f64>(rule, quick),
             Self::DriftSingle => drift::<f32>(rule, quick),
-            Self::Threshold => threshold(rule),
-            Self::Depth(speed) => deepest(rule, speed),
-            Self::Rest => rest(rule, REST_SECS[usize::from(quick)]),
+            Self::Threshold => sliding_threshold(rule),
+            Self::Depth(speed) => max_depth(rule, speed),
+            Self::Rest => time_to_rest(rule, REST_SECS[usize::from(quick)]),
         }
     }
 }
@@ -234,7 +234,7 @@ fn drop_ratio(rule: Rule, share: f64) -> Result<f64, ResolveError> {
 }
 
 /// A cube that touches a slope, and the direction down the slope.
-fn on_slope(slope: f64, friction: [f64; 2]) -> (Scene, glam::DVec3) {
+fn cube_on_slope(slope: f64, friction: [f64; 2]) -> (Scene, glam::DVec3) {
     let angle = libm::atan(slope);
     let up = from_euler_deg([0.0, 0.0, angle.to_degrees()]).y_axis;
     let scene = cube_and_plane((up * 0.5).to_array(), 0.6, angle.to_degrees(), friction);
@@ -243,19 +243,19 @@ fn on_slope(slope: f64, friction: [f64; 2]) -> (Scene, glam::DVec3) {
 
 /// How far a cube moves down a slope that holds it, after it has settled, body lengths.
 fn drift<R: Real>(rule: Rule, quick: bool) -> Result<f64, ResolveError> {
-    let (scene, down) = on_slope(libm::tan(20_f64.to_radians()), [0.6, 0.5]);
+    let (scene, down) = cube_on_slope(libm::tan(20_f64.to_radians()), [0.6, 0.5]);
     let mut simulation = rule.simulate::<R>(scene)?;
     let mut whole = run(&mut simulation, SETTLED_SECS);
     let settled = simulation.diagnostics().center.dot(down);
     whole &= run(&mut simulation, SLOPE_SECS[usize::from(quick)] - SETTLED_SECS);
-    let way = (simulation.diagnostics().center.dot(down) - settled).abs();
-    Ok(if whole { way } else { f64::INFINITY })
+    let distance = (simulation.diagnostics().center.dot(down) - settled).abs();
+    Ok(if whole { distance } else { f64::INFINITY })
 }
 
 /// The slope at which a cube begins to slide, over the coefficient of friction.
-fn threshold(rule: Rule) -> Result<f64, ResolveError> {
+fn sliding_threshold(rule: Rule) -> Result<f64, ResolveError> {
     let slides = |share: f64| -> Result<bool, ResolveError> {
-        let (scene, down) = on_slope(share * FRICTION, [FRICTION; 2]);
+        let (scene, down) = cube_on_slope(share * FRICTION, [FRICTION; 2]);
         let mut simulation = rule.simulate::<f64>(scene)?;
         let whole = run(&mut simulation, 4.0);
         let now = simulation.diagnostics();
@@ -268,7 +268,7 @@ fn threshold(rule: Rule) -> Result<f64, ResolveError> {
     if !slides(fails)? {
         return Ok(f64::INFINITY);
     }
-    for _ in 0..HALVINGS {
+    for _ in 0..BISECTION_STEPS {
         let middle = 0.5 * (holds + fails);
         if slides(middle)? {
             fails = middle;
@@ -280,7 +280,7 @@ fn threshold(rule: Rule) -> Result<f64, ResolveError> {
 }
 
 /// The largest depth of any particle behind a plane, at the end of any step, of a cube thrown at the plane, m.
-fn deepest(rule: Rule, speed: f64) -> Result<f64, ResolveError> {
+fn max_depth(rule: Rule, speed: f64) -> Result<f64, ResolveError> {
     let mut scene = cube_and_plane([0.0, 2.0, 0.0], 0.0, 0.0, [0.5, 0.4]);
     scene.settings.gravity = [0.0; 3];
     scene.bodies[0].velocity = [0.0, -speed, 0.0];
@@ -297,7 +297,7 @@ fn deepest(rule: Rule, speed: f64) -> Result<f64, ResolveError> {
 }
 
 /// The time from which a cube that falls 20 cm stays at rest, s; infinite where it does not within `seconds`.
-fn rest(rule: Rule, seconds: f64) -> Result<f64, ResolveError> {
+fn time_to_rest(rule: Rule, seconds: f64) -> Result<f64, ResolveError> {
     let scene = cube_and_plane([0.0, 0.7, 0.0], 0.6, 0.0, [0.0; 2]);
     let mut simulation = rule.simulate::<f64>(scene)?;
     let mut last_moving = 0.0;
@@ -341,7 +341,7 @@ mod tests {
 
     #[test]
     fn the_pressing_force_is_what_keeps_a_body_from_resting() {
-        let [with, without] = [Rule::Thesis, Rule::ThesisSpring].map(|rule| rest(rule, 8.0).expect("a cube"));
+        let [with, without] = [Rule::Thesis, Rule::ThesisSpring].map(|rule| time_to_rest(rule, 8.0).expect("a cube"));
         assert!(without < with, "{without} s without it, {with} s with it");
     }
 }

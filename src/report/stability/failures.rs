@@ -14,7 +14,7 @@ use crate::scene::{Scene, presets};
 /// How long scenes are watched, s. By then a broken cube lies still.
 const WATCH_SECS: f64 = 3.0;
 /// A failure counts as understood if this many changes cure it.
-const CURES: usize = 3;
+const MIN_CURES: usize = 3;
 /// The factors by which values are changed, tried until one helps.
 const FACTORS: [f64; 4] = [2.0, 4.0, 8.0, 16.0];
 
@@ -100,14 +100,14 @@ fn exploding(scene: &Scene) -> Result<FailureFigures, ResolveError> {
         dt * 1e3,
         limit * 1e3,
         limits.limited_by(dt).words(),
-        growth(over)
+        growth_factor(over)
     );
     Ok(judged(PRESETS[0], "GC Fig 23", found.exploded_at_secs.is_some(), what, why, cures))
 }
 
 /// The factor by which the fastest vibration grows in a step of `over` times the largest stable one: the root of z² − (2 −
 /// λ) z + 1 = 0 with λ = 4 over².
-fn growth(over: f64) -> f64 {
+fn growth_factor(over: f64) -> f64 {
     let half = (2.0 * over * over - 1.0).max(1.0);
     half + (half * half - 1.0).sqrt()
 }
@@ -170,7 +170,7 @@ fn judged(
     why: String,
     cures: Vec<CureFigures>,
 ) -> FailureFigures {
-    let passed = happened && cures.iter().filter(|cure| cure.holds).count() >= CURES;
+    let passed = happened && cures.iter().filter(|cure| cure.holds).count() >= MIN_CURES;
     FailureFigures { preset: preset.to_owned(), source: source.to_owned(), happened, what, why, cures, passed }
 }
 
@@ -191,21 +191,21 @@ fn with_springs(scene: &Scene, change: impl Fn(&Springs) -> Springs) -> Scene {
 }
 
 /// The same springs with another stiffness and damping in every family.
-fn of_families(springs: &Springs, change: impl Fn(Spring) -> Spring) -> Springs {
+fn map_families(springs: &Springs, change: impl Fn(Spring) -> Spring) -> Springs {
     let [structural, shear, bending] = [springs.structural, springs.shear, springs.bending].map(change);
     Springs { structural, shear, bending, ..*springs }
 }
 
 fn softer(factor: f64) -> impl Fn(&Springs) -> Springs {
-    move |springs| of_families(springs, |of| Spring { stiffness: of.stiffness / factor, damping: of.damping / factor })
+    move |springs| map_families(springs, |of| Spring { stiffness: of.stiffness / factor, damping: of.damping / factor })
 }
 
 fn stiffer(springs: &Springs, factor: f64) -> Springs {
-    of_families(springs, |of| Spring { stiffness: of.stiffness * factor, ..of })
+    map_families(springs, |of| Spring { stiffness: of.stiffness * factor, ..of })
 }
 
 fn more_damped(springs: &Springs, factor: f64) -> Springs {
-    of_families(springs, |of| Spring { damping: of.damping * factor, ..of })
+    map_families(springs, |of| Spring { damping: of.damping * factor, ..of })
 }
 
 fn heavier(springs: &Springs, factor: f64) -> Springs {
@@ -235,8 +235,11 @@ mod tests {
 
     #[test]
     fn beyond_the_limit_a_vibration_grows() {
-        assert!((growth(1.0) - 1.0).abs() < 1e-12 && (growth(0.5) - 1.0).abs() < 1e-12, "up to the limit it does not");
+        assert!(
+            (growth_factor(1.0) - 1.0).abs() < 1e-12 && (growth_factor(0.5) - 1.0).abs() < 1e-12,
+            "up to the limit it does not"
+        );
         // λ = 6: z² + 4 z + 1 = 0.
-        assert!((growth(1.5_f64.sqrt()) - (2.0 + 3.0_f64.sqrt())).abs() < 1e-12);
+        assert!((growth_factor(1.5_f64.sqrt()) - (2.0 + 3.0_f64.sqrt())).abs() < 1e-12);
     }
 }

@@ -47,9 +47,9 @@ const RADIUS: f64 = 0.5;
 const SOLID: Solid = Solid { young_modulus: 1e3, density: 1000.0, damping_ratio: 0.5, ..Solid::DEFAULT };
 /// How far a ball is pressed into a plane, as a share of its radius; and in metres, which is how far each plate comes.
 const INDENTATION: f64 = 0.1;
-const WAY: f64 = INDENTATION * RADIUS;
+const PLATE_TRAVEL: f64 = INDENTATION * RADIUS;
 /// Half the thickness of the plates, m.
-const PLATE: f64 = 0.5;
+const PLATE_HALF_THICKNESS: f64 = 0.5;
 /// The time in which the plates come, s: several times what a wave needs through a ball.
 const PRESS_SECS: f64 = 2.0;
 /// The step asked for, s.
@@ -57,28 +57,28 @@ const STEP_SECS: f64 = 4e-3;
 /// A ball is at rest if no particle is faster than this, m/s: a thousandth of the indentation in a second.
 const REST_SPEED: f64 = 5e-5;
 /// Two balls on each other roll aside in the end. They count as at rest before that if their approach changes by no more
-/// than this share over this many looks, which take a second.
-const REST_CHANGE: f64 = 1e-3;
-const REST_LOOKS: usize = 5;
+/// than this share over this many checks, which take a second.
+const MAX_REST_CHANGE: f64 = 1e-3;
+const REST_CHECKS: usize = 5;
 /// Friction that keeps two balls on each other.
 const FRICTION: f64 = 0.6;
-/// Time between two looks at whether anything moves, s, and the longest wait.
-const LOOK_SECS: f64 = 0.2;
-const LONGEST_SECS: f64 = 30.0;
+/// Time between two checks whether anything moves, s, and the longest wait.
+const CHECK_INTERVAL_SECS: f64 = 0.2;
+const MAX_WAIT_SECS: f64 = 30.0;
 /// The share by which force and patch may miss theory if the indentation is the edge of a cell; half as much at twice that.
-const MOST_ERROR: f64 = 1.0;
+const MAX_ERROR_IN_CELLS: f64 = 1.0;
 
 /// What a ball is pressed on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Against {
+pub enum Counterpart {
     /// A hard plane.
     Plane,
     /// Another ball like it.
     Like,
 }
 
-impl Against {
+impl Counterpart {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Plane, Self::Like];
 
@@ -112,9 +112,9 @@ fn theory(indentation_m: f64) -> [f64; 2] {
 }
 
 /// The balls between plates that are coming, or have come.
-fn scene(divisions: u32, against: Against, have_come: bool) -> Scene {
+fn scene(divisions: u32, against: Counterpart, have_come: bool) -> Scene {
     let balls = f64::from(against.balls());
-    let friction = if against == Against::Plane { 0.0 } else { FRICTION };
+    let friction = if against == Counterpart::Plane { 0.0 } else { FRICTION };
     let ball = |number: u8| Body {
         shape: ball(divisions),
         pose: Pose { position: [0.0, RADIUS * (2.0 * f64::from(number) + 1.0 - balls), 0.0], ..Pose::default() },
@@ -124,11 +124,12 @@ fn scene(divisions: u32, against: Against, have_come: bool) -> Scene {
         friction_dynamic: friction,
         ..Body::default()
     };
-    let amplitude = balls * WAY;
+    let amplitude = balls * PLATE_TRAVEL;
     let plate = |side: f64| {
-        let way = if have_come { amplitude } else { 0.0 };
-        let center = [0.0, side * (balls * RADIUS + PLATE - way), 0.0];
-        let shape = Cuboid { center, half_extents: [2.0 * RADIUS, PLATE, 2.0 * RADIUS], ..Cuboid::default() };
+        let travel = if have_come { amplitude } else { 0.0 };
+        let center = [0.0, side * (balls * RADIUS + PLATE_HALF_THICKNESS - travel), 0.0];
+        let shape =
+            Cuboid { center, half_extents: [2.0 * RADIUS, PLATE_HALF_THICKNESS, 2.0 * RADIUS], ..Cuboid::default() };
         let coming = Oscillate { axis: [0.0, -side, 0.0], amplitude, period_secs: 4.0 * PRESS_SECS };
         Obstacle {
             shape: ObstacleShape::Box(shape),
@@ -160,7 +161,7 @@ fn ball(divisions: u32) -> Shape {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names are the keys of the JSON object")]
 pub struct HertzRow {
-    pub against: Against,
+    pub against: Counterpart,
     pub divisions: u32,
     /// Of all balls.
     pub particles: usize,
@@ -204,7 +205,7 @@ pub struct HertzFigures {
 /// If a shape cannot be made, which no ball should cause.
 pub fn measure(quick: bool) -> Result<HertzFigures, ResolveError> {
     let pressed = |against| divisions(quick).iter().map(move |divisions| pressed(*divisions, against));
-    let rows: Vec<_> = Against::ALL.into_iter().flat_map(pressed).collect::<Result<_, _>>()?;
+    let rows: Vec<_> = Counterpart::ALL.into_iter().flat_map(pressed).collect::<Result<_, _>>()?;
     let passed = rows.chunk_by(|a, b| a.against == b.against).all(converges);
     Ok(HertzFigures { rows, passed })
 }
@@ -212,38 +213,41 @@ pub fn measure(quick: bool) -> Result<HertzFigures, ResolveError> {
 /// Whether all rows came to rest, miss by less the finer they are, and by no more than their cells account for.
 fn converges(rows: &[HertzRow]) -> bool {
     let shrinks = rows.windows(2).all(|pair| pair[1].error() < pair[0].error());
-    let good = |row: &HertzRow| row.rest_secs.is_some() && row.cells_deep() * row.error() <= MOST_ERROR;
+    let good = |row: &HertzRow| row.rest_secs.is_some() && row.cells_deep() * row.error() <= MAX_ERROR_IN_CELLS;
     shrinks && rows.iter().all(good)
 }
 
 /// Presses until nothing moves.
-fn pressed(divisions: u32, against: Against) -> Result<HertzRow, ResolveError> {
+fn pressed(divisions: u32, against: Counterpart) -> Result<HertzRow, ResolveError> {
     let coming = scene(divisions, against, false);
     let lattices = lattices(&coming)?;
     let mut simulation = Simulation::<f64>::new(&coming, &lattices);
     simulation.run_for(PRESS_SECS);
     // The plates sweep to their final places.
     simulation.set_parameters(&scene(divisions, against, true), &lattices, &[Some(0), Some(1)], Arrival::Swept);
-    let (mut rest_secs, mut seen) = (None, Vec::new());
-    while rest_secs.is_none() && simulation.state().time_secs < LONGEST_SECS {
-        if simulation.run_for(LOOK_SECS).diverged {
+    let (mut rest_secs, mut indentations) = (None, Vec::new());
+    while rest_secs.is_none() && simulation.state().time_secs < MAX_WAIT_SECS {
+        if simulation.run_for(CHECK_INTERVAL_SECS).diverged {
             break;
         }
-        seen.push(indentation(&simulation, against));
+        indentations.push(indentation(&simulation, against));
         let is_still = match against {
-            Against::Plane => simulation.diagnostics().max_speed < REST_SPEED,
-            Against::Like => seen.len() > REST_LOOKS && changes(&seen[seen.len() - 1 - REST_LOOKS..]) < REST_CHANGE,
+            Counterpart::Plane => simulation.diagnostics().max_speed < REST_SPEED,
+            Counterpart::Like => {
+                indentations.len() > REST_CHECKS
+                    && changes(&indentations[indentations.len() - 1 - REST_CHECKS..]) < MAX_REST_CHANGE
+            }
         };
         rest_secs = is_still.then_some(simulation.state().time_secs);
     }
     Ok(row(divisions, against, &simulation, rest_secs))
 }
 
-fn row(divisions: u32, against: Against, simulation: &Simulation<f64>, rest_secs: Option<f64>) -> HertzRow {
+fn row(divisions: u32, against: Counterpart, simulation: &Simulation<f64>, rest_secs: Option<f64>) -> HertzRow {
     let indentation_m = indentation(simulation, against);
     let pushes = match against {
-        Against::Plane => pushes_on_plate(simulation),
-        Against::Like => pushes_on_like(simulation),
+        Counterpart::Plane => pushes_on_plate(simulation),
+        Counterpart::Like => pushes_on_like(simulation),
     };
     let force_n: f64 = pushes.iter().map(|(_, force)| force).sum();
     let moment: f64 = pushes.iter().map(|(squared, force)| squared * force).sum();
@@ -264,18 +268,18 @@ fn row(divisions: u32, against: Against, simulation: &Simulation<f64>, rest_secs
 }
 
 /// The approach of the middle and the plane, or half the approach of the middles, m.
-fn indentation(simulation: &Simulation<f64>, against: Against) -> f64 {
+fn indentation(simulation: &Simulation<f64>, against: Counterpart) -> f64 {
     match against {
-        Against::Plane => WAY - middle(simulation, 0),
-        Against::Like => RADIUS - 0.5 * (middle(simulation, 1) - middle(simulation, 0)),
+        Counterpart::Plane => PLATE_TRAVEL - middle(simulation, 0),
+        Counterpart::Like => RADIUS - 0.5 * (middle(simulation, 1) - middle(simulation, 0)),
     }
 }
 
 /// The spread of some values over the last.
-fn changes(seen: &[f64]) -> f64 {
-    let least = seen.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = seen.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (most - least) / seen.last().copied().unwrap_or(f64::NAN)
+fn changes(indentations: &[f64]) -> f64 {
+    let least = indentations.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = indentations.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (most - least) / indentations.last().copied().unwrap_or(f64::NAN)
 }
 
 /// The height of the particle that was nearest to the middle of a ball at the start, m.
@@ -313,7 +317,7 @@ mod tests {
 
     fn row(divisions: u32, force_over_theory: f64) -> HertzRow {
         HertzRow {
-            against: Against::Plane,
+            against: Counterpart::Plane,
             divisions,
             particles: 1,
             indentation_m: 0.05,

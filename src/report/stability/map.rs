@@ -17,7 +17,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::limit::{HALVINGS, alone, halved, steps_survived};
+use super::limit::{BISECTION_STEPS, bisect, isolated_bodies, steps_survived};
 use crate::geometry::watch::Portion;
 use crate::geometry::{Lattice, Watch};
 use crate::physics::Simulation;
@@ -37,10 +37,10 @@ const CELL_M: f64 = 0.2;
 pub(super) const PARTICLE_KG: f64 = 0.008;
 
 /// The ranges of the axes, as powers of ten: stiffness per unit mass 1/s², damping per unit mass 1/s.
-const STIFFNESS: [f64; 2] = [3.0, 6.0];
-const DAMPING: [f64; 2] = [0.0, 3.0];
+const STIFFNESS_DECADES: [f64; 2] = [3.0, 6.0];
+const DAMPING_DECADES: [f64; 2] = [0.0, 3.0];
 /// Values along each axis; and with `quick`.
-const VALUES: [usize; 2] = [25, 9];
+const VALUE_COUNTS: [usize; 2] = [25, 9];
 /// Steps that are watched; and with `quick`.
 const STEPS: [usize; 2] = [1500, 300];
 
@@ -90,23 +90,27 @@ pub fn map(integrator: Integrator, quick: bool) -> Result<MapFigures, ResolveErr
 }
 
 /// As [`map`], with a prediction that is wrong by a factor.
-fn measured(integrator: Integrator, quick: bool, wrong: f64) -> Result<MapFigures, ResolveError> {
-    let count = VALUES[usize::from(quick)];
-    let [stiffness, damping] = [STIFFNESS, DAMPING].map(|ends| values(ends, count));
+fn measured(integrator: Integrator, quick: bool, prediction_factor: f64) -> Result<MapFigures, ResolveError> {
+    let count = VALUE_COUNTS[usize::from(quick)];
+    let [stiffness, damping] = [STIFFNESS_DECADES, DAMPING_DECADES].map(|ends| values(ends, count));
     let (scene, watched) = (cube(integrator), STEPS[usize::from(quick)]);
-    let tried = Tried { scene: &scene, lattices: &lattices(&scene)?, material: &cube_material, steps: watched };
-    let columns: Vec<Column> =
-        damping.par_iter().with_max_len(1).map(|&damping| tried.column(damping, &stiffness, wrong)).collect();
-    let predicted_fall = tried.predicted_fall(&columns, &stiffness, wrong);
+    let trial =
+        StabilityTrial { scene: &scene, lattices: &lattices(&scene)?, material: &cube_material, steps: watched };
+    let columns: Vec<Column> = damping
+        .par_iter()
+        .with_max_len(1)
+        .map(|&damping| trial.column(damping, &stiffness, prediction_factor))
+        .collect();
+    let predicted_fall = trial.predicted_fall(&columns, &stiffness, prediction_factor);
     let stays = |column: &Column| column.survived.first() == Some(&watched);
-    let measured_fall = between(&columns, stays).map(|ends| tried.damping_border(ends, stiffness[0], &())[0]);
+    let measured_fall = boundary_columns(&columns, stays).map(|ends| trial.damping_border(ends, stiffness[0], &())[0]);
     let too_far = predicted_fall.last().zip(measured_fall).is_some_and(|([predicted, _], most)| *predicted > most);
     let passed = columns.iter().all(|column| column.passed) && !too_far;
     Ok(MapFigures { integrator, dt_secs: DT_SECS, watched, stiffness, columns, predicted_fall, measured_fall, passed })
 }
 
 /// The dampings of the last column for which `holds` is true and of the next one.
-fn between(columns: &[Column], holds: impl Fn(&Column) -> bool) -> Option<[f64; 2]> {
+fn boundary_columns(columns: &[Column], holds: impl Fn(&Column) -> bool) -> Option<[f64; 2]> {
     let pair = columns.windows(2).find(|pair| holds(&pair[0]) && !holds(&pair[1]))?;
     Some([pair[0].damping, pair[1].damping])
 }
@@ -117,7 +121,7 @@ pub fn values([from, to]: [f64; 2], count: usize) -> Vec<f64> {
 }
 
 /// Bodies that are tried with different damping and stiffness.
-pub(crate) struct Tried<'a> {
+pub(crate) struct StabilityTrial<'a> {
     /// The bodies with nothing around them, and the step.
     pub(crate) scene: &'a Scene,
     /// Their lattices.
@@ -137,20 +141,20 @@ pub struct Survival {
     pub border: Option<[f64; 2]>,
 }
 
-impl Tried<'_> {
+impl StabilityTrial<'_> {
     /// Tries rising stiffnesses. None where `watch` cancels.
     pub(crate) fn survival(&self, damping: f64, stiffness: &[f64], watch: &dyn Watch) -> Option<Survival> {
-        let runs = (stiffness.len() + HALVINGS) as f64;
+        let runs = (stiffness.len() + BISECTION_STEPS) as f64;
         let portion = |run: usize| Portion::new(watch, [run as f64 / runs, (run + 1) as f64 / runs]);
-        let tried = |run: usize, stiffness: f64| self.survived(stiffness, damping, &portion(run));
+        let trial = |run: usize, stiffness: f64| self.survived(stiffness, damping, &portion(run));
         let survived: Vec<usize> =
-            stiffness.iter().enumerate().map(|(run, &stiffness)| tried(run, stiffness)).collect();
+            stiffness.iter().enumerate().map(|(run, &stiffness)| trial(run, stiffness)).collect();
         let first = survived.iter().position(|&steps| steps < self.steps).filter(|&first| first > 0);
         let mut run = stiffness.len();
         let border = first.map(|first| {
-            halved([stiffness[first - 1], stiffness[first]], |stiffness| {
+            bisect([stiffness[first - 1], stiffness[first]], |stiffness| {
                 run += 1;
-                tried(run - 1, stiffness) == self.steps
+                trial(run - 1, stiffness) == self.steps
             })
         });
         (!watch.cancelled()).then_some(Survival { survived, border })
@@ -158,12 +162,12 @@ impl Tried<'_> {
 
     /// Narrows the border at some damping to a good and a bad stiffness.
     pub(crate) fn stiffness_border(&self, damping: f64, ends: [f64; 2], watch: &dyn Watch) -> [f64; 2] {
-        halved(ends, |stiffness| self.survived(stiffness, damping, watch) == self.steps)
+        bisect(ends, |stiffness| self.survived(stiffness, damping, watch) == self.steps)
     }
 
     /// Narrows the border at some stiffness to a good and a bad damping.
     pub(crate) fn damping_border(&self, ends: [f64; 2], stiffness: f64, watch: &dyn Watch) -> [f64; 2] {
-        halved(ends, |damping| self.survived(stiffness, damping, watch) == self.steps)
+        bisect(ends, |damping| self.survived(stiffness, damping, watch) == self.steps)
     }
 
     /// The bodies with this stiffness and damping per unit mass.
@@ -180,33 +184,35 @@ impl Tried<'_> {
         steps_survived(&mut self.simulation(stiffness, damping), self.steps, watch)
     }
 
-    fn is_predicted(&self, stiffness: f64, damping: f64, wrong: f64) -> bool {
+    fn is_predicted(&self, stiffness: f64, damping: f64, prediction_factor: f64) -> bool {
         let limit = self.simulation(stiffness, damping).plan().limits.dt_limit_secs;
-        limit.is_none_or(|limit| self.scene.settings.dt <= wrong * limit)
+        limit.is_none_or(|limit| self.scene.settings.dt <= prediction_factor * limit)
     }
 
     /// The largest stiffness predicted to be stable, between the first and the last of `stiffness`.
-    fn predicted(&self, damping: f64, stiffness: &[f64], wrong: f64) -> Option<f64> {
+    fn predicted(&self, damping: f64, stiffness: &[f64], prediction_factor: f64) -> Option<f64> {
         let (least, most) = (*stiffness.first()?, *stiffness.last()?);
-        let is_predicted = |stiffness: f64| self.is_predicted(stiffness, damping, wrong);
-        is_predicted(least).then(|| if is_predicted(most) { most } else { halved_often([least, most], is_predicted) })
+        let is_predicted = |stiffness: f64| self.is_predicted(stiffness, damping, prediction_factor);
+        is_predicted(least).then(|| if is_predicted(most) { most } else { bisect_twice([least, most], is_predicted) })
     }
 
     /// The predicted border between the last column that it crosses and the next.
-    fn predicted_fall(&self, columns: &[Column], stiffness: &[f64], wrong: f64) -> Vec<[f64; 2]> {
-        let Some(ends @ [last, _]) = between(columns, |column| column.predicted.is_some()) else { return Vec::new() };
-        let end = halved_often(ends, |damping| self.is_predicted(stiffness[0], damping, wrong));
+    fn predicted_fall(&self, columns: &[Column], stiffness: &[f64], prediction_factor: f64) -> Vec<[f64; 2]> {
+        let Some(ends @ [last, _]) = boundary_columns(columns, |column| column.predicted.is_some()) else {
+            return Vec::new();
+        };
+        let end = bisect_twice(ends, |damping| self.is_predicted(stiffness[0], damping, prediction_factor));
         // The border falls ever more steeply, so its points lie ever closer.
         let dampings = (1..=FALL_POINTS).map(|part| end - (end - last) * libm::exp2(-f64::from(part)));
-        let place = |damping: f64| Some([damping, self.predicted(damping, stiffness, wrong)?]);
+        let place = |damping: f64| Some([damping, self.predicted(damping, stiffness, prediction_factor)?]);
         dampings.filter_map(place).chain([[end, stiffness[0]]]).collect()
     }
 
     /// A column of the report's map, with a prediction that is wrong by a factor.
-    fn column(&self, damping: f64, stiffness: &[f64], wrong: f64) -> Column {
+    fn column(&self, damping: f64, stiffness: &[f64], prediction_factor: f64) -> Column {
         let Survival { survived, border: measured } =
             self.survival(damping, stiffness, &()).unwrap_or(Survival { survived: Vec::new(), border: None });
-        let predicted = self.predicted(damping, stiffness, wrong);
+        let predicted = self.predicted(damping, stiffness, prediction_factor);
         let blows_up_at = match (survived.first(), measured) {
             (Some(&steps), _) if steps < self.steps => stiffness[0],
             (_, Some([_, bad])) => bad,
@@ -221,7 +227,7 @@ impl Tried<'_> {
 fn cube(integrator: Integrator) -> Scene {
     let size = CELL_M * f64::from(CELLS);
     let body = Body { shape: Shape::Cube(CubeShape { cells: CELLS, size }), ..Body::default() };
-    let mut scene = alone(&Scene { bodies: vec![body], ..Scene::default() });
+    let mut scene = isolated_bodies(&Scene { bodies: vec![body], ..Scene::default() });
     (scene.settings.integrator, scene.settings.dt) = (integrator, DT_SECS);
     scene
 }
@@ -234,8 +240,8 @@ fn cube_material(damping: f64, stiffness: f64) -> Material {
 }
 
 /// The last good value, to about a thousandth.
-fn halved_often(ends: [f64; 2], is_good: impl Fn(f64) -> bool) -> f64 {
-    halved(halved(ends, &is_good), &is_good)[0]
+fn bisect_twice(ends: [f64; 2], is_good: impl Fn(f64) -> bool) -> f64 {
+    bisect(bisect(ends, &is_good), &is_good)[0]
 }
 
 #[cfg(test)]

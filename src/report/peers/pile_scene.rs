@@ -38,7 +38,7 @@ impl Pile {
 }
 
 /// The outer faces of a body's cells, two triangles each, counter-clockwise from outside, by particle.
-pub(super) fn outside(body: &BodyModel<f64>) -> Vec<[u32; 3]> {
+pub(super) fn outer_faces(body: &BodyModel<f64>) -> Vec<[u32; 3]> {
     let mut faces: BTreeMap<[u32; 4], Vec<[u32; 4]>> = BTreeMap::new();
     for cell in &body.lattice.cells {
         for face in FACES.map(|places| places.map(|place| cell[place])) {
@@ -60,7 +60,7 @@ mod tests {
     fn outer_faces_are_closed_and_face_outwards() {
         let pile = Pile::new().expect("a pile");
         for body in &pile.bodies {
-            let mesh = TriMesh { positions: body.start.clone(), triangles: outside(body) };
+            let mesh = TriMesh { positions: body.start.clone(), triangles: outer_faces(body) };
             let surface = Surface::new(&mesh).expect("a surface");
             assert!(surface.is_closed(), "every body has an inside");
             let volume: f64 = (0..mesh.triangles.len())

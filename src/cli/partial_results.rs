@@ -21,7 +21,7 @@ use crate::disk::{self, fnv1a};
 use crate::text::echo_path;
 
 /// The largest file of results that is read, bytes.
-const MOST_BYTES: u64 = 1 << 30;
+const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// Identifies a measurement. All parts of one measurement have the same value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,7 +65,7 @@ struct Line<T> {
 
 /// The pieces found so far.
 #[derive(Debug)]
-pub(super) struct Kept<T> {
+pub(super) struct PartialResults<T> {
     head: Head,
     path: Option<PathBuf>,
     inner: Mutex<Inner<T>>,
@@ -77,7 +77,7 @@ struct Inner<T> {
     file: Option<File>,
 }
 
-impl<T: Clone + Serialize + DeserializeOwned> Kept<T> {
+impl<T: Clone + Serialize + DeserializeOwned> PartialResults<T> {
     /// Opens the results that an interrupted run of the same measurement left in the folder, if one is given.
     pub(super) fn open(folder: Option<&Path>, measurement: Measurement, shard: Option<Shard>) -> Result<Self> {
         let path = folder.map(|folder| folder.join(Measurement::file_name(&measurement.kind, shard)));
@@ -164,7 +164,7 @@ pub(super) fn read_head(path: &Path) -> Result<Head> {
 
 fn text(path: &Path) -> Result<String> {
     let unread = || format!("{} cannot be read", echo_path(path));
-    String::from_utf8(disk::read(path, MOST_BYTES).with_context(unread)?).with_context(unread)
+    String::from_utf8(disk::read(path, MAX_FILE_BYTES).with_context(unread)?).with_context(unread)
 }
 
 #[cfg(test)]
@@ -175,9 +175,9 @@ mod tests {
         Measurement::new("error", 5, Value::Null, from)
     }
 
-    fn kept(folder: &Path, from: &str, shard: Option<&str>) -> Kept<f64> {
+    fn kept(folder: &Path, from: &str, shard: Option<&str>) -> PartialResults<f64> {
         let shard = shard.map(|shard| shard.parse().expect("a shard"));
-        Kept::open(Some(folder), measurement(from), shard).expect("it can be kept")
+        PartialResults::open(Some(folder), measurement(from), shard).expect("it can be kept")
     }
 
     #[test]
@@ -213,7 +213,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         kept(folder.path(), "a", None).discard().expect("removed");
         assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 0);
-        let nowhere = Kept::open(None, measurement("a"), None).expect("kept in memory");
+        let nowhere = PartialResults::open(None, measurement("a"), None).expect("kept in memory");
         nowhere.add(1, 1.0).expect("kept");
         assert_eq!(nowhere.found(), [1.0]);
     }

@@ -3,9 +3,9 @@
 use crate::math::rng::Rng;
 
 /// Draws one value after another.
-pub(super) struct Draw(pub(super) Rng);
+pub(super) struct RandomSource(pub(super) Rng);
 
-impl Draw {
+impl RandomSource {
     pub(super) fn chance(&mut self, share: f64) -> bool {
         self.0.unit() < share
     }
@@ -15,11 +15,11 @@ impl Draw {
     }
 
     /// Uniform in the logarithm, from 10^`low` to 10^`high`.
-    pub(super) fn decades(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
         libm::exp10(self.0.between(low, high)).clamp(libm::exp10(low), libm::exp10(high))
     }
 
-    pub(super) fn whole(&mut self, low: i32, high: i32) -> i32 {
+    pub(super) fn integer(&mut self, low: i32, high: i32) -> i32 {
         #[expect(clippy::cast_possible_truncation, reason = "it lies between two i32")]
         let drawn = libm::floor(self.0.between(f64::from(low), f64::from(high) + 1.0)) as i32;
         drawn.min(high)
