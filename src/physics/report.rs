@@ -154,7 +154,7 @@ pub(super) struct Recorder<'a> {
     pub(super) last: LastSubstep,
     timer: &'a mut dyn StageTimer,
     /// The deepest penetration between bodies at the end of the part, m.
-    between_bodies_m: f64,
+    depth_between_bodies_m: f64,
     may_be_given_up: bool,
     stopped: Cell<bool>,
 }
@@ -163,12 +163,12 @@ impl<'a> Recorder<'a> {
     /// The recorder of a substep that has not begun.
     pub(super) fn new(timer: &'a mut dyn StageTimer) -> Self {
         let (counters, last) = (Counters::default(), LastSubstep::default());
-        Self { counters, last, timer, between_bodies_m: 0.0, may_be_given_up: true, stopped: Cell::new(false) }
+        Self { counters, last, timer, depth_between_bodies_m: 0.0, may_be_given_up: true, stopped: Cell::new(false) }
     }
 
     /// Notes that a part of `secs` (s) was taken, after which `bodies_asleep` bodies sleep. The substep cannot be given up
     /// from now on.
-    pub(super) fn took(&mut self, secs: f64, bodies_asleep: usize) {
+    pub(super) fn note_part(&mut self, secs: f64, bodies_asleep: usize) {
         self.may_be_given_up = false;
         self.counters.substeps += 1;
         self.counters.shortest_secs = Some(self.counters.shortest_secs.map_or(secs, |shortest| shortest.min(secs)));
@@ -205,13 +205,13 @@ impl<'a> Recorder<'a> {
 
     /// Notes the deepest penetration between bodies at the end of a part, m. Called before [`Self::note_depth`].
     pub(super) fn note_depth_between_bodies(&mut self, depth_m: f64) {
-        self.between_bodies_m = depth_m;
+        self.depth_between_bodies_m = depth_m;
         self.note_depth(depth_m);
     }
 
     /// Notes the deepest penetration at the end of a part, m.
     pub(super) fn note_depth(&mut self, depth_m: f64) {
-        let depth_m = depth_m.max(self.between_bodies_m);
+        let depth_m = depth_m.max(self.depth_between_bodies_m);
         self.last.max_penetration_m = depth_m;
         self.counters.peak_penetration_m = self.counters.peak_penetration_m.max(depth_m);
     }
@@ -261,7 +261,7 @@ mod tests {
         assert!(Recorder::new(&mut Never).stops());
         let mut never = Never;
         let mut recorder = Recorder::new(&mut never);
-        recorder.took(1e-3, 0);
+        recorder.note_part(1e-3, 0);
         assert!(!recorder.stops(), "a part of it was taken");
     }
 }

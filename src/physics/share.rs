@@ -13,13 +13,13 @@ use crate::physics::state::BodyMemory;
 
 /// The least work that is worth a thread of its own, in link forces a pass. Two threads that are kept awake, each on a
 /// processor of its own, take a substep of a body of 13 000 links 1.25 times as fast as one, of 21 000 links 1.5 times.
-const LINKS_A_THREAD: usize = 8_000;
+const MIN_LINKS_PER_THREAD: usize = 8_000;
 
 /// The cost of a link evaluated from a list, in links evaluated in a box.
-const LISTED: usize = 4;
+const LISTED_LINK_COST: usize = 4;
 
 /// A cut is no nearer to the end of a body than a thread's work divided by this.
-const SNAP: usize = 20;
+const SNAP_DIVISOR: usize = 20;
 
 /// A share of a step.
 #[derive(Clone, Debug)]
@@ -48,24 +48,24 @@ impl<R> Share<R> {
 }
 
 /// How many of `threads` threads pay off for the bodies of a model.
-pub(in crate::physics) fn fitting<R: Real>(model: &Model<R>, threads: usize) -> usize {
-    let work: usize = model.bodies.iter().map(work).sum();
-    threads.min(work / LINKS_A_THREAD).max(1)
+pub(in crate::physics) fn useful_threads<R: Real>(model: &Model<R>, threads: usize) -> usize {
+    let work: usize = model.bodies.iter().map(link_work).sum();
+    threads.min(work / MIN_LINKS_PER_THREAD).max(1)
 }
 
 /// The shares for `threads` threads, in the order of the particles.
 pub(in crate::physics) fn shares<R: Real>(model: &Model<R>, threads: usize) -> Vec<Share<R>> {
-    let all: usize = model.bodies.iter().map(work).sum();
+    let all: usize = model.bodies.iter().map(link_work).sum();
     let mut shares = Vec::new();
     let mut before = 0;
     for (body, of) in model.bodies.iter().enumerate() {
-        let work = work(of);
+        let work = link_work(of);
         let Some(links) = &of.boxed_links else {
             shares.push(Share::new(body, of.particles.clone(), None, work));
             before += work;
             continue;
         };
-        let margin = all / threads / SNAP;
+        let margin = all / threads / SNAP_DIVISOR;
         let cuts = (1..threads).map(|thread| all * thread / threads);
         let inside = cuts.filter(|cut| (before + margin..(before + work).saturating_sub(margin)).contains(cut));
         let cuts: Vec<f64> = inside.map(|cut| (cut - before) as f64 / work as f64).collect();
@@ -80,13 +80,13 @@ pub(in crate::physics) fn shares<R: Real>(model: &Model<R>, threads: usize) -> V
 }
 
 /// The work of a pass over the links of a body, in links evaluated in a box.
-fn work<R: Real>(body: &BodyModel<R>) -> usize {
+fn link_work<R: Real>(body: &BodyModel<R>) -> usize {
     let links: usize = body.links.iter().map(|family| family.links.len()).sum();
-    if body.boxed_links.is_some() { links } else { LISTED * links }
+    if body.boxed_links.is_some() { links } else { LISTED_LINK_COST * links }
 }
 
 /// Where to cut some shares so that both sides have about equal work; each side has at least one share.
-pub(in crate::physics) fn middle<R>(shares: &[Share<R>], memory: &[BodyMemory]) -> usize {
+pub(in crate::physics) fn balanced_cut<R>(shares: &[Share<R>], memory: &[BodyMemory]) -> usize {
     let work = |shares: &[Share<R>]| -> usize {
         shares.iter().filter(|share| !memory[share.body].asleep).map(|share| share.work).sum()
     };

@@ -179,7 +179,7 @@ impl<R: Real> Simulation<R> {
     /// a step does not depend on the number of cells.
     pub fn place_modal(&mut self) {
         if !self.is_placed {
-            modes::place(&self.model, &mut self.state);
+            modes::place_particles(&self.model, &mut self.state);
             self.is_placed = true;
         }
     }
@@ -206,7 +206,7 @@ impl<R: Real> Simulation<R> {
         if !self.state.sweeps.is_empty() {
             self.wake_all();
         }
-        if self.model.moves_by_itself() {
+        if self.model.has_moving_obstacle() {
             sleep::wake_near_moving(&self.model, self.obstacles.all(), &mut self.state);
         }
         for approach in self.state.approaches.iter().filter(|approach| !approach.waits) {
@@ -268,7 +268,7 @@ impl<R: Real> Simulation<R> {
 
     /// How many of `threads` threads pay off for the bodies; plans use this number.
     pub fn threads_worth(&self, threads: usize) -> usize {
-        share::fitting(&self.model, threads)
+        share::useful_threads(&self.model, threads)
     }
 
     /// Sets how many threads of the caller's pool take the steps; the result is the same to the bit. It holds until the
@@ -338,7 +338,7 @@ impl<R: Real> Simulation<R> {
 
     /// Whether all bodies sleep and no obstacle moves: a step then changes nothing but the time.
     pub fn is_asleep(&self) -> bool {
-        let is_quiet = sleep::are_all_asleep(&self.state) && !self.model.moves_by_itself();
+        let is_quiet = sleep::are_all_asleep(&self.state) && !self.model.has_moving_obstacle();
         is_quiet && (0..self.state.bodies.len()).all(|body| self.is_body_asleep(body))
     }
 
@@ -396,7 +396,7 @@ impl<R: Real> Simulation<R> {
             return state_hash(&self.state);
         }
         let mut placed = self.state.clone();
-        modes::place(&self.model, &mut placed);
+        modes::place_particles(&self.model, &mut placed);
         state_hash(&placed)
     }
 }

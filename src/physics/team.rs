@@ -28,7 +28,7 @@ pub fn step_threads() -> usize {
 }
 
 /// Work that can be shared out.
-pub(in crate::physics) trait Halves: Send + Sized {
+pub(in crate::physics) trait DivisibleWork: Send + Sized {
     /// Into how many pieces the work can be divided, at least one.
     fn pieces(&self) -> usize;
     /// Two parts of the work, as equal as possible. There must be at least two pieces.
@@ -38,7 +38,7 @@ pub(in crate::physics) trait Halves: Send + Sized {
 }
 
 /// Does some work with up to `threads` threads of the current pool; with this thread alone outside a pool.
-pub(in crate::physics) fn share(threads: usize, work: impl Halves) {
+pub(in crate::physics) fn share(threads: usize, work: impl DivisibleWork) {
     if threads <= 1 || work.pieces() <= 1 || !in_pool() {
         return work.work();
     }
@@ -47,7 +47,7 @@ pub(in crate::physics) fn share(threads: usize, work: impl Halves) {
 }
 
 /// Fewer particles are not shared out: handing them over would take as long as the work.
-const FEWEST_PARTICLES: usize = 2048;
+const MIN_PARTICLES: usize = 2048;
 
 /// Writes slices of equal length, an element a particle, part by part: `work` gets the range of a part and that part of each
 /// slice.
@@ -56,7 +56,7 @@ pub(in crate::physics) fn by_part<T: Send, const N: usize>(
     to: [&mut [T]; N],
     work: impl Fn(Range<usize>, [&mut [T]; N]) + Sync,
 ) {
-    share(threads, Part { first: 0, to, fewest: FEWEST_PARTICLES, work: &work });
+    share(threads, Part { first: 0, to, fewest: MIN_PARTICLES, work: &work });
 }
 
 /// The same for a slice with an element for each group of `group` particles.
@@ -67,14 +67,14 @@ pub(in crate::physics) fn by_groups<T: Send>(
     work: impl Fn(Range<usize>, &mut [T]) + Sync,
 ) {
     let work = |part, [to]: [&mut [T]; 1]| work(part, to);
-    share(threads, Part { first: 0, to: [to], fewest: FEWEST_PARTICLES / group, work: &work });
+    share(threads, Part { first: 0, to: [to], fewest: MIN_PARTICLES / group, work: &work });
 }
 
 /// The same limit for work that costs as much for each particle as contact does.
-pub(in crate::physics) const FEWEST_THAT_MEET: usize = 512;
+pub(in crate::physics) const MIN_CONTACT_PARTICLES: usize = 512;
 
 /// Parts for each thread where some may take far longer than others: a thread that is free takes the next.
-const PARTS_A_THREAD: usize = 4;
+const PARTS_PER_THREAD: usize = 4;
 
 /// One or several slices that can be cut in two.
 pub(in crate::physics) trait Cut: Send + Sized {
@@ -109,7 +109,7 @@ impl<A: Cut> Cut for Option<A> {
 
 /// Works on the bodies of a model in parallel: `work` gets a range of bodies and its part of the data of every body and of
 /// every particle. A part has at least `fewest` particles, unless it is a single body.
-pub(in crate::physics) fn side_by_side<R: Real, B: Cut, P: Cut>(
+pub(in crate::physics) fn for_body_ranges<R: Real, B: Cut, P: Cut>(
     threads: usize,
     fewest: usize,
     model: &Model<R>,
@@ -117,12 +117,12 @@ pub(in crate::physics) fn side_by_side<R: Real, B: Cut, P: Cut>(
     work: impl Fn(Range<usize>, B, P) + Sync,
 ) {
     let bodies = 0..model.bodies.len();
-    let parts = if threads > 1 { PARTS_A_THREAD * threads } else { 1 };
-    share(parts, Side { model, bodies, fewest, of_bodies, of_particles, work: &work });
+    let parts = if threads > 1 { PARTS_PER_THREAD * threads } else { 1 };
+    share(parts, BodyRange { model, bodies, fewest, of_bodies, of_particles, work: &work });
 }
 
 /// A range of bodies.
-struct Side<'a, R: Real, B, P, W> {
+struct BodyRange<'a, R: Real, B, P, W> {
     model: &'a Model<R>,
     bodies: Range<usize>,
     fewest: usize,
@@ -131,7 +131,7 @@ struct Side<'a, R: Real, B, P, W> {
     work: &'a W,
 }
 
-impl<R: Real, B, P, W> Side<'_, R, B, P, W> {
+impl<R: Real, B, P, W> BodyRange<'_, R, B, P, W> {
     /// Their particles.
     fn particles(&self) -> Range<usize> {
         let start = |body: usize| self.model.bodies[body].particles.start;
@@ -142,7 +142,7 @@ impl<R: Real, B, P, W> Side<'_, R, B, P, W> {
     }
 }
 
-impl<R: Real, B: Cut, P: Cut, W: Fn(Range<usize>, B, P) + Sync> Halves for Side<'_, R, B, P, W> {
+impl<R: Real, B: Cut, P: Cut, W: Fn(Range<usize>, B, P) + Sync> DivisibleWork for BodyRange<'_, R, B, P, W> {
     fn pieces(&self) -> usize {
         self.bodies.len().min(self.particles().len() / self.fewest).max(1)
     }
@@ -176,7 +176,7 @@ pub(in crate::physics) fn by_bodies<R: Real, T: Send>(
     work: impl Fn(Range<usize>, &mut [T]) + Sync,
 ) {
     let mean = model.particle_count() / model.bodies.len().max(1);
-    by_groups(threads, mean.clamp(1, FEWEST_PARTICLES), to, work);
+    by_groups(threads, mean.clamp(1, MIN_PARTICLES), to, work);
 }
 
 /// A part of the slices that are written.
@@ -194,7 +194,7 @@ impl<T: Send, W: Fn(Range<usize>, [&mut [T]; N]) + Sync, const N: usize> Part<'_
     }
 }
 
-impl<T: Send, W: Fn(Range<usize>, [&mut [T]; N]) + Sync, const N: usize> Halves for Part<'_, T, W, N> {
+impl<T: Send, W: Fn(Range<usize>, [&mut [T]; N]) + Sync, const N: usize> DivisibleWork for Part<'_, T, W, N> {
     fn pieces(&self) -> usize {
         (self.len() / self.fewest).max(1)
     }
@@ -226,7 +226,7 @@ mod tests {
 
     struct Squares<'a>(&'a mut [usize], usize);
 
-    impl Halves for Squares<'_> {
+    impl DivisibleWork for Squares<'_> {
         fn pieces(&self) -> usize {
             self.0.len()
         }
@@ -289,7 +289,7 @@ mod tests {
             let (mut seen, mut owner) = (vec![0; 4], vec![None; model.particle_count()]);
             let to = ((&mut seen[..], Some(())), (&mut owner[..], ()));
             within(threads, || {
-                side_by_side(threads, fewest, model, to, |these, (seen, _), (owner, ())| {
+                for_body_ranges(threads, fewest, model, to, |these, (seen, _), (owner, ())| {
                     let first = model.bodies[these.start].particles.start;
                     for (body, seen) in these.zip(seen) {
                         *seen += 1;
@@ -307,7 +307,7 @@ mod tests {
     #[test]
     fn halves_meet_and_without_a_pool_nobody_waits() {
         struct Meets<'a>(&'a Barrier, usize);
-        impl Halves for Meets<'_> {
+        impl DivisibleWork for Meets<'_> {
             fn pieces(&self) -> usize {
                 self.1
             }

@@ -22,7 +22,7 @@ use glam::DVec3;
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
 use crate::physics::compile::link_classes::{ClassKey, Classes, NO_CELL, cells_around, holders, present};
-use crate::physics::model::levels::Levels;
+use crate::physics::model::levels::StiffnessLevels;
 use crate::physics::model::{CellKind, Link, LinkConstants, LinkFamily, Values};
 use crate::scene::Springs;
 use crate::scene::material::Solid;
@@ -50,7 +50,7 @@ pub(in crate::physics) fn uniform<R: Real>(springs: &Springs, measured: [Arc<[Li
     let links = [(Family::Structural, structural), (Family::Shear, shear), (Family::Bending, bending)];
     let links = links.map(|(family, links)| {
         let constants = springs.family(family);
-        alike(links, [constants.stiffness, constants.damping].map(R::from_f64))
+        uniform_family(links, [constants.stiffness, constants.damping].map(R::from_f64))
     });
     let particle_mass = springs.particle_mass;
     Assembled { particle_mass, masses: Values::Uniform(particle_mass), links }
@@ -95,36 +95,40 @@ pub(in crate::physics) fn by_cell<R: Real>(
         }
     }
     let particle_mass = masses.iter().sum::<f64>() / masses.len().max(1) as f64;
-    let levels = Levels::of(lattice);
+    let levels = StiffnessLevels::of(lattice);
     let level_of = |cell: u32| levels.as_ref().map_or(1, |levels| levels.of_cell[cell as usize]);
     let step = levels.as_ref().map_or(1.0, |levels| levels.step);
     let [structural, shear, bending] = measured;
     let links = [(Family::Structural, structural), (Family::Shear, shear), (Family::Bending, bending)];
     let links = links.map(|(family, links)| {
         if family == Family::Bending {
-            return alike(links, [R::ZERO; 2]);
+            return uniform_family(links, [R::ZERO; 2]);
         }
         let mut classes = Classes::default();
         let class = |&[low, high]: &[u32; 2]| {
             let [from, to] = [low, high].map(|corner| lattice.corners[corner as usize]);
             let axes = (0..3).filter(|&axis| from[axis] != to[axis]).count();
             let holders = holders(&around[low as usize], from, to).map(|cell| (kind_of(cell), level_of(cell)));
-            classes.of(SHARED_BY[axes], holders, levels.is_some())
+            classes.of(CELLS_PER_LINK[axes], holders, levels.is_some())
         };
         let of_link = lattice.links[family as usize].iter().map(class).collect();
         let constants = classes.keys.iter().map(|key| shares(key, kinds, step, family));
-        in_classes(links, of_link, constants.collect())
+        classed_family(links, of_link, constants.collect())
     });
     Assembled { particle_mass, masses: Values::Each(masses), links }
 }
 
 /// A family whose links are all alike.
-fn alike<R: Real>(links: Arc<[Link<R>]>, [stiffness, damping]: [R; 2]) -> LinkFamily<R> {
+fn uniform_family<R: Real>(links: Arc<[Link<R>]>, [stiffness, damping]: [R; 2]) -> LinkFamily<R> {
     LinkFamily { stiffness, damping, links, constants: LinkConstants::Uniform([stiffness, damping]) }
 }
 
 /// A family whose links are of classes, which have these constants.
-pub(super) fn in_classes<R: Real>(links: Arc<[Link<R>]>, of_link: Vec<u16>, constants: Vec<[f64; 2]>) -> LinkFamily<R> {
+pub(super) fn classed_family<R: Real>(
+    links: Arc<[Link<R>]>,
+    of_link: Vec<u16>,
+    constants: Vec<[f64; 2]>,
+) -> LinkFamily<R> {
     let largest = |which: usize| R::from_f64(constants.iter().map(|c| c[which]).fold(0.0, f64::max));
     let [stiffness, damping] = [largest(0), largest(1)];
     let constants = constants.into_iter().map(|constants| constants.map(R::from_f64)).collect();
@@ -132,7 +136,7 @@ pub(super) fn in_classes<R: Real>(links: Arc<[Link<R>]>, of_link: Vec<u16>, cons
 }
 
 /// How many cells share a link inside a body, by the number of axes that the link runs along.
-const SHARED_BY: [u8; 4] = [1, 4, 2, 1];
+const CELLS_PER_LINK: [u8; 4] = [1, 4, 2, 1];
 
 /// The sum of the shares that the cells of a class give to a link of a family, N and N·s; `step` is that of their levels.
 fn shares((shared_by, held): &ClassKey, kinds: &[CellKind], step: f64, family: Family) -> [f64; 2] {
@@ -144,7 +148,7 @@ fn shares((shared_by, held): &ClassKey, kinds: &[CellKind], step: f64, family: F
 }
 
 /// The links of a lattice by family; `rest` is where its particles are at rest, m.
-pub(in crate::physics) fn measured<R: Real>(lattice: &Lattice, rest: &[DVec3]) -> [Arc<[Link<R>]>; 3] {
+pub(in crate::physics) fn measure_links<R: Real>(lattice: &Lattice, rest: &[DVec3]) -> [Arc<[Link<R>]>; 3] {
     let measure = |&ends: &[u32; 2]| {
         let rest_length = rest[ends[0] as usize].distance(rest[ends[1] as usize]);
         Link { ends, rest_length: R::from_f64(rest_length), inverse_rest_length: R::from_f64(1.0 / rest_length) }
@@ -170,7 +174,7 @@ mod tests {
         let whole = Lattice::new(&Cells::from_list(&[[0, 0, 0], [1, 0, 0]], 1.0).expect("two cells"));
         let lattice = Lattice { shares, ..whole };
         let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
-        let assembled = by_cell(&[SOFT, HARD], kind_of_cell, &lattice, measured(&lattice, &rest));
+        let assembled = by_cell(&[SOFT, HARD], kind_of_cell, &lattice, measure_links(&lattice, &rest));
         (lattice, assembled)
     }
 

@@ -26,10 +26,10 @@ pub(super) struct Kinds {
 
 /// The kinds of a body of springs; one where all are the same.
 pub(super) fn of_springs(springs: &Springs, body: &Body, lattice: &Lattice, rest: &[DVec3]) -> Kinds {
-    let kind_of = |within: Within<'_>| match within {
-        Within::Body => spring_cell(springs),
-        Within::Part(part) => spring_cell(&part.springs),
-        Within::Inlay(inlay) => spring_cell(&inlay.springs),
+    let kind_of = |within: MaterialSource<'_>| match within {
+        MaterialSource::Body => spring_cell(springs),
+        MaterialSource::Part(part) => spring_cell(&part.springs),
+        MaterialSource::Inlay(inlay) => spring_cell(&inlay.springs),
     };
     let mut kinds = with_inlays(kinds_of_parts(body, lattice, &kind_of), body, lattice, rest, kind_of);
     if kinds.all.iter().all(|kind| *kind == kinds.all[0]) {
@@ -42,11 +42,11 @@ pub(super) fn of_springs(springs: &Springs, body: &Body, lattice: &Lattice, rest
 
 /// The kinds of a solid whose longest extent is `size`, m.
 pub(super) fn of_solid(solid: &Solid, body: &Body, lattice: &Lattice, size: f64, rest: &[DVec3]) -> Kinds {
-    let kind_of = |within: Within<'_>| {
+    let kind_of = |within: MaterialSource<'_>| {
         let solid = match within {
-            Within::Body => solid,
-            Within::Part(part) => &part.solid,
-            Within::Inlay(inlay) => &inlay.solid,
+            MaterialSource::Body => solid,
+            MaterialSource::Part(part) => &part.solid,
+            MaterialSource::Inlay(inlay) => &inlay.solid,
         };
         solid_cell(solid, lattice, size)
     };
@@ -56,7 +56,7 @@ pub(super) fn of_solid(solid: &Solid, body: &Body, lattice: &Lattice, size: f64,
 }
 
 /// Where a cell has its material from.
-enum Within<'a> {
+enum MaterialSource<'a> {
     /// The body's own.
     Body,
     /// A part of the model, by its name.
@@ -71,7 +71,7 @@ fn with_inlays(
     body: &Body,
     lattice: &Lattice,
     rest: &[DVec3],
-    kind_of: impl Fn(Within<'_>) -> CellKind,
+    kind_of: impl Fn(MaterialSource<'_>) -> CellKind,
 ) -> Kinds {
     let inlays = body.inlays.get(..MAX_INLAYS).unwrap_or(&body.inlays);
     if inlays.is_empty() {
@@ -89,7 +89,7 @@ fn with_inlays(
     let of_cells: Vec<Option<usize>> =
         lattice.cells.iter().zip(0..).map(|(corners, place)| inlay_of(corners, place)).collect();
     for (number, inlay) in inlays.iter().enumerate().filter(|(number, _)| of_cells.contains(&Some(*number))) {
-        let kind = kinds.push(body.parts.len() + number + 1, kind_of(Within::Inlay(inlay)));
+        let kind = kinds.push(body.parts.len() + number + 1, kind_of(MaterialSource::Inlay(inlay)));
         if let Values::Uniform(first) = kinds.of_cell {
             kinds.of_cell = Values::Each(vec![first; lattice.cells.len()]);
         }
@@ -118,21 +118,21 @@ fn parts_of(body: &Body) -> (&[Part], Vec<&str>) {
 }
 
 /// How many equal pieces a cell of several parts consists of.
-const PIECES: u8 = 16;
+const PIECES_PER_CELL: u8 = 16;
 
 /// The most kinds of a body before those of its inlays are added: the kind of a cell is a byte.
-const MOST_KINDS: usize = 255 - MAX_INLAYS;
+const MAX_KINDS: usize = 255 - MAX_INLAYS;
 
 /// Gives cells with surface of several parts a kind between theirs: each part has the same share of the volume as of the
 /// surface, and the stiffness is the mean by mass (J5).
-fn blend(kinds: &mut Kinds, body: &Body, lattice: &Lattice, kind_of: &impl Fn(Within<'_>) -> CellKind) {
+fn blend(kinds: &mut Kinds, body: &Body, lattice: &Lattice, kind_of: &impl Fn(MaterialSource<'_>) -> CellKind) {
     let (parts, names) = parts_of(body);
     if parts.is_empty() {
         return;
     }
     let material = |number: u32| match (number as usize).checked_sub(1).and_then(|place| parts.get(place)) {
-        Some(part) => kind_of(Within::Part(part)),
-        None => kind_of(Within::Body),
+        Some(part) => kind_of(MaterialSource::Part(part)),
+        None => kind_of(MaterialSource::Body),
     };
     let mut known: BTreeMap<Vec<(u32, u8)>, u8> = BTreeMap::new();
     for (cell, shares) in lattice.cells_of_several_parts(&names) {
@@ -143,7 +143,7 @@ fn blend(kinds: &mut Kinds, body: &Body, lattice: &Lattice, kind_of: &impl Fn(Wi
         let kind = match known.get(&pieces) {
             Some(kind) => *kind,
             // Beyond so many kinds, a cell is of its largest part alone.
-            None if kinds.all.len() >= MOST_KINDS => continue,
+            None if kinds.all.len() >= MAX_KINDS => continue,
             None => {
                 let all: Vec<(CellKind, u8)> = pieces.iter().map(|(number, of)| (material(*number), *of)).collect();
                 let kind = kinds.push(pieces[0].0 as usize, mean_by_mass(&all));
@@ -160,13 +160,13 @@ fn blend(kinds: &mut Kinds, body: &Body, lattice: &Lattice, kind_of: &impl Fn(Wi
     }
 }
 
-/// Rounds shares to pieces, [`PIECES`] in all; the largest share, which comes first, gets what rounding leaves.
+/// Rounds shares to pieces, [`PIECES_PER_CELL`] in all; the largest share, which comes first, gets what rounding leaves.
 fn in_pieces(shares: &[(u32, f64)]) -> Vec<(u32, u8)> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "shares are up to 1")]
-    let rounded = |share: f64| (share * f64::from(PIECES)).round() as u8;
+    let rounded = |share: f64| (share * f64::from(PIECES_PER_CELL)).round() as u8;
     let rest: Vec<(u32, u8)> = shares.iter().skip(1).map(|(number, share)| (*number, rounded(*share))).collect();
     let taken = rest.iter().fold(0_u8, |sum, (_, pieces)| sum.saturating_add(*pieces));
-    let first = shares.iter().take(1).map(|(number, _)| (*number, PIECES.saturating_sub(taken)));
+    let first = shares.iter().take(1).map(|(number, _)| (*number, PIECES_PER_CELL.saturating_sub(taken)));
     first.chain(rest).filter(|(_, pieces)| *pieces > 0).collect()
 }
 
@@ -182,14 +182,14 @@ fn mean_by_mass(of: &[(CellKind, u8)]) -> CellKind {
 }
 
 /// The kinds of the cells of a body with parts: each cell is of the part that has most of it.
-fn kinds_of_parts(body: &Body, lattice: &Lattice, kind_of: &impl Fn(Within<'_>) -> CellKind) -> Kinds {
-    let mut kinds = Kinds { all: vec![kind_of(Within::Body)], numbers: vec![0], of_cell: Values::Uniform(0) };
+fn kinds_of_parts(body: &Body, lattice: &Lattice, kind_of: &impl Fn(MaterialSource<'_>) -> CellKind) -> Kinds {
+    let mut kinds = Kinds { all: vec![kind_of(MaterialSource::Body)], numbers: vec![0], of_cell: Values::Uniform(0) };
     let (parts, names) = parts_of(body);
     let found = if parts.is_empty() { None } else { lattice.cells_of_parts(&names) };
     let Some(of_cells) = found else { return kinds };
     let mut places = vec![0; parts.len() + 1];
     for (part, number) in parts.iter().zip(1_u32..).filter(|(_, number)| of_cells.contains(number)) {
-        places[number as usize] = kinds.push(number as usize, kind_of(Within::Part(part)));
+        places[number as usize] = kinds.push(number as usize, kind_of(MaterialSource::Part(part)));
     }
     if kinds.all.len() > 1 {
         kinds.of_cell = Values::Each(of_cells.into_iter().map(|number| places[number as usize]).collect());

@@ -29,14 +29,14 @@ pub(super) fn holders(around: &[u32; 8], low: [u32; 3], high: [u32; 3]) -> impl 
 
 /// The most cells that hold a link: four around an edge, and four around each half of a link that runs straight through a
 /// particle.
-const HOLDERS: usize = 8;
+const MAX_HOLDERS: usize = 8;
 
 /// Stands in the places that a link with fewer cells leaves empty.
 const NO_KIND: u8 = u8::MAX;
 
 /// How many cells a link is shared by, and the kinds of the cells that hold it, each with the level of its stiffness,
 /// ascending.
-pub(super) type ClassKey = (u8, [(u8, u16); HOLDERS]);
+pub(super) type ClassKey = (u8, [(u8, u16); MAX_HOLDERS]);
 
 /// The classes of links found so far.
 #[derive(Default)]
@@ -46,9 +46,10 @@ pub(super) struct Classes {
     last: Option<(ClassKey, u16)>,
 }
 
-/// From this number of classes on, levels are rounded down to multiples of [`COARSE`], so that few classes are added.
-const MANY: usize = 50_000;
-const COARSE: u16 = 64;
+/// From this number of classes on, levels are rounded down to multiples of [`COARSE_LEVELS`], so that few classes are
+/// added.
+const MAX_EXACT_CLASSES: usize = 50_000;
+const COARSE_LEVELS: u16 = 64;
 
 impl Classes {
     /// The class of a link that these cells hold, by kind and level. `differ`: cells of one kind may be of different levels,
@@ -78,7 +79,7 @@ impl Classes {
         let held = merged(held);
         let key = (u8::try_from(count).unwrap_or(1), held);
         let is_known = self.last.is_some_and(|(last, _)| last == key) || self.numbers.contains_key(&key);
-        if is_known || self.keys.len() < MANY {
+        if is_known || self.keys.len() < MAX_EXACT_CLASSES {
             return self.of(key.0, present(&held), true);
         }
         // Of equally common kinds the first.
@@ -87,9 +88,9 @@ impl Classes {
     }
 
     fn new_class(&mut self, (shared_by, mut held): ClassKey) -> u16 {
-        if self.keys.len() >= MANY {
-            for (_, level) in held.iter_mut().filter(|(_, level)| *level > COARSE) {
-                *level -= *level % COARSE;
+        if self.keys.len() >= MAX_EXACT_CLASSES {
+            for (_, level) in held.iter_mut().filter(|(_, level)| *level > COARSE_LEVELS) {
+                *level -= *level % COARSE_LEVELS;
             }
         }
         let key = (shared_by, held);
@@ -103,8 +104,8 @@ impl Classes {
 }
 
 /// Lists every kind once, with the sum of its levels.
-fn merged(held: [(u8, u16); HOLDERS]) -> [(u8, u16); HOLDERS] {
-    let mut merged = [(NO_KIND, 0); HOLDERS];
+fn merged(held: [(u8, u16); MAX_HOLDERS]) -> [(u8, u16); MAX_HOLDERS] {
+    let mut merged = [(NO_KIND, 0); MAX_HOLDERS];
     let mut last = 0;
     for (kind, level) in held {
         if merged[last].0 != kind && merged[last].0 != NO_KIND {
@@ -116,8 +117,8 @@ fn merged(held: [(u8, u16); HOLDERS]) -> [(u8, u16); HOLDERS] {
 }
 
 /// A list with these cells at its front, and their number.
-fn listed(cells: impl Iterator<Item = (u8, u16)>) -> ([(u8, u16); HOLDERS], usize) {
-    let (mut held, mut count) = ([(NO_KIND, 0); HOLDERS], 0);
+fn listed(cells: impl Iterator<Item = (u8, u16)>) -> ([(u8, u16); MAX_HOLDERS], usize) {
+    let (mut held, mut count) = ([(NO_KIND, 0); MAX_HOLDERS], 0);
     for (slot, cell) in held.iter_mut().zip(cells) {
         *slot = cell;
         count += 1;
@@ -126,7 +127,7 @@ fn listed(cells: impl Iterator<Item = (u8, u16)>) -> ([(u8, u16); HOLDERS], usiz
 }
 
 /// The kinds of a list without its empty places.
-pub(super) fn present(held: &[(u8, u16); HOLDERS]) -> impl DoubleEndedIterator<Item = (u8, u16)> + '_ {
+pub(super) fn present(held: &[(u8, u16); MAX_HOLDERS]) -> impl DoubleEndedIterator<Item = (u8, u16)> + '_ {
     held.iter().copied().filter(|(kind, _)| *kind != NO_KIND)
 }
 
@@ -138,7 +139,7 @@ mod tests {
     #[test]
     fn where_there_are_very_many_classes_a_mean_is_of_the_commonest_kind_alone() {
         let (mut rng, mut classes) = (Rng::new(4), Classes::default());
-        while classes.keys.len() < MANY {
+        while classes.keys.len() < MAX_EXACT_CLASSES {
             let kinds = [0; 8].map(|_| u8::try_from(rng.next_u64() % 80).unwrap_or(0));
             classes.of_mean(kinds.into_iter());
         }
@@ -150,6 +151,6 @@ mod tests {
         let known = classes.keys[3];
         let kinds = present(&known.1).flat_map(|(kind, cells)| std::iter::repeat_n(kind, usize::from(cells)));
         assert_eq!(classes.of_mean(kinds), 3, "what is known stays what it is");
-        assert!(classes.keys.len() <= MANY + 81, "no more than one for each kind besides");
+        assert!(classes.keys.len() <= MAX_EXACT_CLASSES + 81, "no more than one for each kind besides");
     }
 }

@@ -25,7 +25,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use thiserror::Error;
 
-use super::model::{AmongBodies, BodyModel, Composition, LinkFamily, Model, Samples, Values};
+use super::model::{BodyContactModel, BodyModel, Composition, LinkFamily, Model, Samples, Values};
 use crate::geometry::{Family, Lattice};
 use crate::math::{Aabb, Real, Vector, rotation};
 use crate::physics::kernels::{BoxedLinks, Layout};
@@ -143,7 +143,7 @@ pub(super) fn compile<R: Real>(
     for (number, (body, lattice)) in scene.bodies.iter().zip(lattices).enumerate() {
         let mut compiled = compile_body(body, lattice, first, scene, before);
         if let Some(modes) = modes.get(number).and_then(Option::as_ref) {
-            modal::move_by(&mut compiled, modes, &body.pose, before);
+            modal::give_modes(&mut compiled, modes, &body.pose, before);
         }
         first = compiled.particles.end;
         model.bodies.push(compiled);
@@ -151,7 +151,7 @@ pub(super) fn compile<R: Real>(
     model.fall_limit = fallen::limit(&model);
     let plan = plan::plan(&scene.settings, modal::without_modal(&model).as_ref().unwrap_or(&model));
     for body in &mut model.bodies {
-        recovery::bear(body, &plan);
+        recovery::limit_to_substep(body, &plan);
     }
     (model, plan)
 }
@@ -170,9 +170,14 @@ fn compile_body<R: Real>(
     let size = Aabb::<f64>::around(rest.iter().copied()).size().max_element();
     let pinned = pins::pinned(body, lattice, &rest);
     let known = before.iter().find(|body| Arc::ptr_eq(&body.lattice, lattice));
-    let measured = known
-        .map_or_else(|| assembly::measured(lattice, &rest), |body| body.links.each_ref().map(LinkFamily::measured));
-    let crowds = known.map_or_else(|| any_state::crowds(rest.len(), &measured), |body| Arc::clone(&body.crowds));
+    let measured = known.map_or_else(
+        || assembly::measure_links(lattice, &rest),
+        |body| body.links.each_ref().map(LinkFamily::shared_links),
+    );
+    let inverse_length_sums = known.map_or_else(
+        || any_state::inverse_length_sums(rest.len(), &measured),
+        |body| Arc::clone(&body.inverse_length_sums),
+    );
     let modulus = |stiffness| assembly::modulus(stiffness, lattice);
     let Kinds { all: kinds, numbers, of_cell: kind_of_cell } = match &body.material {
         Material::Springs(springs) => kinds::of_springs(springs, body, lattice, &rest),
@@ -216,7 +221,7 @@ fn compile_body<R: Real>(
         |body| body.boxed_links.as_ref().map(|boxed| Arc::clone(&boxed.layout)),
     );
     let boxed_links = layout.map(|layout| BoxedLinks::new(layout, lattice, &links));
-    let load = heaviest_load(lattice) * heaviest * gravity;
+    let load = max_carried_particles(lattice) * heaviest * gravity;
     let meets_others = scene.settings.body_contact && body.collides && scene.bodies.len() > 1;
     let is_on_mesh = body.contact_on == ContactOn::Mesh;
     let samples_known = known.and_then(|body| body.samples.as_ref().map(Arc::clone));
@@ -225,8 +230,8 @@ fn compile_body<R: Real>(
     let samples = if is_on_mesh { samples_known.or_else(new_samples) } else { None };
     // A body may stand on a single point of its mesh, pressed in by a quarter of the depth limit.
     let weight = particle_mass * rest.len() as f64 * gravity;
-    let on_one = if samples.is_some() { load.max(4.0 * weight) } else { load };
-    let hull = known.map_or_else(Arc::default, |body| Arc::clone(&body.among_bodies.hull));
+    let max_point_load = if samples.is_some() { load.max(4.0 * weight) } else { load };
+    let hull = known.map_or_else(Arc::default, |body| Arc::clone(&body.body_contact.hull));
     BodyModel {
         particles: first..first + rest.len(),
         start: rest.iter().map(|p| R::Vec3::from_dvec3(position + rotation * *p)).collect(),
@@ -238,7 +243,7 @@ fn compile_body<R: Real>(
         pinned,
         links,
         boxed_links,
-        crowds,
+        inverse_length_sums,
         lattice: Arc::clone(lattice),
         size: R::from_f64(size),
         inverse_cell_size: R::from_f64(1.0 / lattice.grid.cell_size),
@@ -246,15 +251,15 @@ fn compile_body<R: Real>(
         contacts: scene
             .obstacles
             .iter()
-            .map(|obstacle| obstacles::contact(obstacle, heaviest, size, on_one, lattice.grid.cell_size))
+            .map(|obstacle| obstacles::contact(obstacle, heaviest, size, max_point_load, lattice.grid.cell_size))
             .collect(),
-        among_bodies: AmongBodies {
+        body_contact: BodyContactModel {
             meets_others,
             meets_itself: scene.settings.body_contact && body.self_collides,
             hull,
             friction: [body.friction_static, body.friction_dynamic],
             heaviest,
-            load: on_one,
+            max_load: max_point_load,
         },
         modal: None,
         samples,
@@ -272,7 +277,7 @@ fn known_load_share<R: Real>(bodies: &[BodyModel<R>], lattice: &Arc<Lattice>) ->
 
 /// Particles that one particle in contact may have to carry at rest: the tallest column, or all of them on the
 /// smallest of the six outer layers, as a tree stands on its trunk.
-fn heaviest_load(lattice: &Lattice) -> f64 {
+fn max_carried_particles(lattice: &Lattice) -> f64 {
     let mut column = 0;
     let mut layer = usize::MAX;
     for axis in 0..3 {

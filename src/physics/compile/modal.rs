@@ -12,7 +12,12 @@ use crate::scene::Pose;
 
 /// Makes a compiled body move by modes, if these are of as many particles as it has. Its points that meet obstacles are
 /// taken over from a body that moved by the same modes.
-pub(super) fn move_by<R: Real>(body: &mut BodyModel<R>, modes: &Arc<ModalModel>, pose: &Pose, before: &[BodyModel<R>]) {
+pub(super) fn give_modes<R: Real>(
+    body: &mut BodyModel<R>,
+    modes: &Arc<ModalModel>,
+    pose: &Pose,
+    before: &[BodyModel<R>],
+) {
     if modes.particle_count() != body.particles.len() {
         return;
     }
@@ -29,52 +34,52 @@ pub(super) fn move_by<R: Real>(body: &mut BodyModel<R>, modes: &Arc<ModalModel>,
     let rigid = is_free.then(|| {
         Inertia::new((0..body.particles.len()).map(|p| (body.mass(p).to_f64(), body.lattice.rest_position(p))))
     });
-    let (turn, place) = (rotation::from_euler_deg(pose.rotation_deg), DVec3::from(pose.position));
+    let (turn, origin) = (rotation::from_euler_deg(pose.rotation_deg), DVec3::from(pose.position));
     let bounds = Aabb::<f64>::around((0..body.particles.len()).map(|p| body.lattice.rest_position(p)));
-    let alike = known.map(|modal| Arc::clone(&modal.farthest));
-    let farthest = alike.unwrap_or_else(|| farthest(modes, body.particles.len()));
-    body.modal = Some(ModalBody { modes: Arc::clone(modes), bounds, farthest, points, rigid, turn, place });
+    let alike = known.map(|modal| Arc::clone(&modal.max_displacements));
+    let max_displacements = alike.unwrap_or_else(|| max_displacements(modes, body.particles.len()));
+    body.modal = Some(ModalBody { modes: Arc::clone(modes), bounds, max_displacements, points, rigid, turn, origin });
     // A motion in which parts of the body would meet is no longer a small one, for which modes hold.
-    body.among_bodies.meets_itself = false;
+    body.body_contact.meets_itself = false;
 }
 
 /// For each mode the largest displacement of a particle for an amplitude of 1, 1/√kg.
-fn farthest(modes: &ModalModel, particles: usize) -> Arc<[f64]> {
-    let mut farthest = vec![0.0_f64; modes.count()];
+fn max_displacements(modes: &ModalModel, particles: usize) -> Arc<[f64]> {
+    let mut max_displacements = vec![0.0_f64; modes.count()];
     for particle in 0..particles {
-        for (farthest, way) in farthest.iter_mut().zip(modes.row(particle)) {
-            *farthest = farthest.max(DVec3::from(way.map(f64::from)).length());
+        for (displacement, way) in max_displacements.iter_mut().zip(modes.row(particle)) {
+            *displacement = displacement.max(DVec3::from(way.map(f64::from)).length());
         }
     }
-    farthest.into()
+    max_displacements.into()
 }
 
 /// A copy of a model in which modal bodies have nothing that would limit a step; none where no body is modal.
 pub(super) fn without_modal<R: Real>(model: &Model<R>) -> Option<Model<R>> {
     model.bodies.iter().any(|body| body.modal.is_some()).then(|| {
         let Model { bodies, obstacles, gravity, fall_limit } = model;
-        let bodies = bodies.iter().map(|body| if body.modal.is_some() { idle(body) } else { body.clone() });
+        let bodies = bodies.iter().map(|body| if body.modal.is_some() { without_links(body) } else { body.clone() });
         Model { bodies: bodies.collect(), obstacles: obstacles.clone(), gravity: *gravity, fall_limit: *fall_limit }
     })
 }
 
 /// A body of the same particles without any link.
-fn idle<R: Real>(body: &BodyModel<R>) -> BodyModel<R> {
+fn without_links<R: Real>(body: &BodyModel<R>) -> BodyModel<R> {
     let none = || LinkFamily {
         stiffness: R::ZERO,
         damping: R::ZERO,
         links: Arc::default(),
         constants: LinkConstants::Uniform([R::ZERO; 2]),
     };
-    let mut idle = BodyModel {
+    let mut without_links = BodyModel {
         composition: Composition::Alike,
         links: std::array::from_fn(|_| none()),
         boxed_links: None,
-        crowds: Arc::default(),
+        inverse_length_sums: Arc::default(),
         samples: None,
-        among_bodies: body.among_bodies.clone(),
+        body_contact: body.body_contact.clone(),
         ..body.clone()
     };
-    idle.recovery.stiffness = R::ZERO;
-    idle
+    without_links.recovery.stiffness = R::ZERO;
+    without_links
 }

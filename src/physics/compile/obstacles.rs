@@ -12,7 +12,7 @@ use crate::scene::{self, Obstacle};
 
 /// No particle rests, or ends a step, deeper in a closed form than this share of the way to its middle: past that the
 /// nearest way out is the other side.
-const THIN_SHARE: f64 = 0.5;
+const MAX_DEPTH_SHARE: f64 = 0.5;
 
 /// How a body of this size (m) meets an obstacle; `mass` is that of its heaviest particle (kg), `load` what one may have to
 /// carry (N).
@@ -23,7 +23,7 @@ pub(super) fn contact<R: Real>(
     load: f64,
     cell_size: f64,
 ) -> ContactModel<R> {
-    let thin = obstacle.shape.half_thickness().map_or(f64::INFINITY, |half| THIN_SHARE * half);
+    let thin = obstacle.shape.half_thickness().map_or(f64::INFINITY, |half| MAX_DEPTH_SHARE * half);
     let depth_limit = (DEPTH_SHARE * size).min(thin);
     let stiffness = match obstacle.stiffness {
         ContactStiffness::Given(stiffness) => stiffness,
@@ -79,7 +79,7 @@ pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>
             let margin = 1e-5 * (bounds.size().max_element() + bounds.center().abs().max_element());
             let bounds = bounds.grown(margin);
             let motion = obstacle.motion.map(|motion| motion.rigid());
-            let bounds = motion.map_or(bounds, |motion| around_all(&bounds, &motion));
+            let bounds = motion.map_or(bounds, |motion| motion_bounds(&bounds, &motion));
             ObstacleModel {
                 shape,
                 motion,
@@ -93,7 +93,7 @@ pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>
 }
 
 /// The box around all places that the contents of a box come to by their own motion.
-fn around_all(bounds: &Aabb<f64>, motion: &RigidMotion) -> Aabb<f64> {
+fn motion_bounds(bounds: &Aabb<f64>, motion: &RigidMotion) -> Aabb<f64> {
     let reach = DVec3::splat(0.5 * bounds.size().length() + motion.reach());
     Aabb { min: bounds.center() - reach, max: bounds.center() + reach }
 }

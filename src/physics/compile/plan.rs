@@ -17,14 +17,14 @@ use crate::scene::settings::Stepping;
 /// The longest step of a scheme that takes over from the one in the settings, s: four a frame. Longer steps of the implicit
 /// scheme are cheaper for the same simulated time, but quiet a vibration of 5 Hz in one period instead of three. Longer ones
 /// of the stabilised scheme are hardly cheaper, and obstacles are met at least four times a frame.
-const LONGEST_SECS: f64 = 0.25 * FRAME_SECS;
+const MAX_STEP_SECS: f64 = 0.25 * FRAME_SECS;
 
 /// The least limit of the work of a substep: one try in which every round takes all iterations.
-const LEAST_WORK: u64 = 6_560;
+const MIN_WORK_LIMIT: u64 = 6_560;
 
 /// Common loads stretch links by this strain, and further between two looks at them: the stabilised scheme takes over only
 /// where it bears as much.
-const LEAST_STRAIN: f64 = 0.2;
+const MIN_BORNE_STRAIN: f64 = 0.2;
 
 /// Halvings beyond the step that is safe at rest: strained bodies are stiffer (see [`crate::physics::stepping::strain`]).
 const STRAINED_HALVINGS: f64 = 3.0;
@@ -50,33 +50,33 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
     let contact = !model.obstacles.is_empty() && !model.bodies.is_empty();
     let by_thesis = contact && contact_rule == ContactRule::Thesis;
-    let asked_for = if divided { StepDivision::of(&limits, settings.dt) } else { StepDivision::whole(settings.dt) };
-    let mut ways = vec![(chosen, asked_for)];
-    let mut of_stages = (chosen == Scheme::Stabilised).then(stabilised);
-    if divided && of_stages.as_ref().is_some_and(|limits| !is_longer(limits, &semi_implicit)) {
+    let requested = if divided { StepDivision::of(&limits, settings.dt) } else { StepDivision::whole(settings.dt) };
+    let mut candidates = vec![(chosen, requested)];
+    let mut stabilised_limits = (chosen == Scheme::Stabilised).then(stabilised);
+    if divided && stabilised_limits.as_ref().is_some_and(|limits| !is_longer(limits, &semi_implicit)) {
         // With hardly any damping, the steps of the stabilised scheme are not longer than those of semi-implicit Euler.
-        ways = vec![(Scheme::SemiImplicit, StepDivision::of(&semi_implicit, settings.dt))];
+        candidates = vec![(Scheme::SemiImplicit, StepDivision::of(&semi_implicit, settings.dt))];
     }
     // A step that needs no division was chosen for its small error.
-    if divided && asked_for.substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
+    if divided && requested.substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
         // A scheme other than the default one was chosen on purpose.
         if chosen == Scheme::SemiImplicit {
-            let limits = of_stages.insert(stabilised());
+            let limits = stabilised_limits.insert(stabilised());
             limits.dt_safe_secs = limits.dt_safe_secs.map(|safe| safe.min(longest_under_tension(model)));
             if is_longer(limits, &semi_implicit) {
-                ways.push((Scheme::Stabilised, StepDivision::of_whole_steps(limits, settings.dt)));
+                candidates.push((Scheme::Stabilised, StepDivision::of_whole_steps(limits, settings.dt)));
             }
         }
-        ways.push((Scheme::Implicit, StepDivision::near(settings.dt, LONGEST_SECS)));
+        candidates.push((Scheme::Implicit, StepDivision::up_to(settings.dt, MAX_STEP_SECS)));
     }
-    let damping_rate = of_stages.as_ref().map_or(0.0, |limits| limits.damping_rate);
+    let damping_rate = stabilised_limits.as_ref().map_or(0.0, |limits| limits.damping_rate);
     let cost = |&(scheme, division): &(Scheme, StepDivision)| {
         scheme_cost::of(model, &semi_implicit, damping_rate, scheme, division.substep_secs())
     };
-    let scheme_costs: Vec<_> = ways.iter().map(cost).collect();
+    let scheme_costs: Vec<_> = candidates.iter().map(cost).collect();
     let scheme = SchemeCost::cheapest(&scheme_costs).map_or(chosen, |cost| cost.scheme);
-    let rates = of_stages.filter(|_| scheme == Scheme::Stabilised).map(|limits| stage_rates(model, limits));
-    let division = ways.iter().find(|way| way.0 == scheme).map_or(asked_for, |way| way.1);
+    let rates = stabilised_limits.filter(|_| scheme == Scheme::Stabilised).map(|limits| stage_rates(model, limits));
+    let division = candidates.iter().find(|candidate| candidate.0 == scheme).map_or(requested, |candidate| candidate.1);
     let (StepDivision { dt_secs, substeps, span }, secs) = (division, division.substep_secs());
     let plan = Plan {
         scheme,
@@ -89,18 +89,18 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         ends_explicitly: false,
         most_work: u64::MAX,
         parts: 0,
-        strains: strains(model, scheme, secs),
+        strain_thresholds: strain_thresholds(model, scheme, secs),
         limits,
         families: Family::ALL.map(|family| has_force(family as usize)),
         damped: Family::ALL.map(|family| model.bodies.iter().any(|body| body.links[family as usize].damping > R::ZERO)),
         simd: SimdLevel::chosen(),
-        threads: share::fitting(model, team::step_threads()),
+        threads: share::useful_threads(model, team::step_threads()),
         spheres: model.obstacles.iter().any(|o| matches!(o.shape, ObstacleShape::Sphere { .. })),
         friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
         recovery: model.bodies.iter().any(|body| body.recovery.stiffness > R::ZERO),
         contact,
-        between_bodies: between_bodies(model, &semi_implicit, scheme, secs, divided),
-        on_mesh: on_mesh(model, &semi_implicit, scheme, secs, divided).filter(|_| contact && !by_thesis),
+        between_bodies: body_contact_plan(model, &semi_implicit, scheme, secs, divided),
+        on_mesh: mesh_contact_plan(model, &semi_implicit, scheme, secs, divided).filter(|_| contact && !by_thesis),
         contact_rule,
         pressing_force: true,
         watched: !divided,
@@ -117,14 +117,14 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let parts = if scheme == Scheme::Implicit { 0 } else { any_state::parts(model, scheme, secs) };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
     let share = (MOST_WORK_A_FRAME as f64 * secs / FRAME_SECS) as u64;
-    let most_work = share.max(LEAST_WORK).saturating_mul(model.bodies.len().max(1) as u64);
+    let most_work = share.max(MIN_WORK_LIMIT).saturating_mul(model.bodies.len().max(1) as u64);
     Plan { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
 }
 
 /// How substeps of `secs` (s) are taken in which bodies come near each other or themselves. Contact between bodies is an
 /// impulse on predicted velocities. Schemes that have no place for it leave such substeps to the default scheme, in parts,
 /// where steps are `divided`. Where they are not, or would need too many parts, there is no contact between bodies.
-fn between_bodies<R: Real>(
+fn body_contact_plan<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
     scheme: Scheme,
@@ -135,13 +135,13 @@ fn between_bodies<R: Real>(
     if meeting < 2 && !model.bodies.iter().any(BodyModel::meets_itself) {
         return None;
     }
-    let has_place = !matches!(scheme, Scheme::Implicit | Scheme::Stabilised);
-    with_impulses(model, semi_implicit, scheme, secs, divided, has_place)
+    let takes_impulses = !matches!(scheme, Scheme::Implicit | Scheme::Stabilised);
+    impulse_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses)
 }
 
 /// The same for substeps in which points of a body's mesh come near an obstacle. Their contact is found on the particles'
 /// paths, so schemes that move particles by another velocity than that at the end have no place for it either.
-fn on_mesh<R: Real>(
+fn mesh_contact_plan<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
     scheme: Scheme,
@@ -149,21 +149,21 @@ fn on_mesh<R: Real>(
     divided: bool,
 ) -> Option<BodyContactPlan> {
     model.bodies.iter().find(|body| body.samples.is_some())?;
-    let has_place = matches!(scheme, Scheme::SemiImplicit | Scheme::Verlet);
-    with_impulses(model, semi_implicit, scheme, secs, divided, has_place)
+    let takes_impulses = matches!(scheme, Scheme::SemiImplicit | Scheme::Verlet);
+    impulse_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses)
 }
 
 /// How substeps of `secs` (s) are taken in which contact changes predicted velocities: by the scheme itself where it
-/// `has_place` for that, otherwise by the default one.
-fn with_impulses<R: Real>(
+/// `takes_impulses` for that, otherwise by the default one.
+fn impulse_contact_plan<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
     scheme: Scheme,
     secs: f64,
     divided: bool,
-    has_place: bool,
+    takes_impulses: bool,
 ) -> Option<BodyContactPlan> {
-    if has_place {
+    if takes_impulses {
         let strained_parts = if divided { any_state::parts(model, scheme, secs) } else { 1 };
         return Some(BodyContactPlan { scheme, parts: 1, strained_parts });
     }
@@ -192,7 +192,7 @@ struct StepDivision {
 
 impl StepDivision {
     /// Substeps of up to `longest` (s): several whole steps in one, or several of them in a step.
-    fn near(dt_secs: f64, longest: f64) -> Self {
+    fn up_to(dt_secs: f64, longest: f64) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of at least one")]
         let [span, substeps] = [longest / dt_secs, libm::ceil(dt_secs / longest)].map(|count| count.max(1.0) as u32);
         Self { dt_secs, substeps, span }
@@ -203,11 +203,11 @@ impl StepDivision {
         Self { dt_secs: dt_secs.min(limits.longest_step_secs()), substeps: limits.substeps(dt_secs), span: 1 }
     }
 
-    /// As few substeps as are safe and no longer than [`LONGEST_SECS`], none longer than a step: the state after a step,
+    /// As few substeps as are safe and no longer than [`MAX_STEP_SECS`], none longer than a step: the state after a step,
     /// which is shown and saved, is at its end.
     fn of_whole_steps(limits: &SceneLimits, dt_secs: f64) -> Self {
-        let longest = limits.dt_safe_secs.map_or(LONGEST_SECS, |safe| safe.min(LONGEST_SECS));
-        Self { span: 1, ..Self::near(dt_secs, longest) }
+        let longest = limits.dt_safe_secs.map_or(MAX_STEP_SECS, |safe| safe.min(MAX_STEP_SECS));
+        Self { span: 1, ..Self::up_to(dt_secs, longest) }
     }
 
     /// A step that is not divided.
@@ -226,21 +226,21 @@ fn is_longer(one: &SceneLimits, other: &SceneLimits) -> bool {
     longest(one) > longest(other)
 }
 
-/// The longest substeps in which the stabilised scheme bears links that are stretched by [`LEAST_STRAIN`]. This limits it
-/// only where the settings have another scheme.
+/// The longest substeps in which the stabilised scheme bears links that are stretched by [`MIN_BORNE_STRAIN`]. This
+/// limits it only where the settings have another scheme.
 fn longest_under_tension<R: Real>(model: &Model<R>) -> f64 {
-    model.bodies.iter().map(|body| tension::longest_secs(body, LEAST_STRAIN)).fold(f64::INFINITY, f64::min)
+    model.bodies.iter().map(|body| tension::longest_secs(body, MIN_BORNE_STRAIN)).fold(f64::INFINITY, f64::min)
 }
 
 /// The strains below which a body is calm and above which it is strained: smaller where the stabilised scheme does not bear
-/// links stretched so far, zero where it bears less than [`LEAST_STRAIN`].
-fn strains<R: Real>(model: &Model<R>, scheme: Scheme, secs: f64) -> [f64; 2] {
+/// links stretched so far, zero where it bears less than [`MIN_BORNE_STRAIN`].
+fn strain_thresholds<R: Real>(model: &Model<R>, scheme: Scheme, secs: f64) -> [f64; 2] {
     if scheme != Scheme::Stabilised {
         return STRAIN_THRESHOLDS;
     }
     let bodies = model.bodies.iter().map(|body| tension::largest_strain(body, secs, STRAIN_THRESHOLDS[1]));
     let borne = bodies.fold(STRAIN_THRESHOLDS[1], f64::min);
-    let share = if borne < LEAST_STRAIN { 0.0 } else { borne / STRAIN_THRESHOLDS[1] };
+    let share = if borne < MIN_BORNE_STRAIN { 0.0 } else { borne / STRAIN_THRESHOLDS[1] };
     STRAIN_THRESHOLDS.map(|strain| share * strain)
 }
 

@@ -3,12 +3,12 @@
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
-use crate::physics::model::levels::least_share;
+use crate::physics::model::levels::min_filled_share;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, CellKind, RecoveryModel, Scheme};
 
 /// The most of `κ dt²/(m h²)`: a manual step may be longer than the push could bear.
-const STIFFEST: f64 = 0.6;
+const MAX_PUSH_LOAD: f64 = 0.6;
 
 /// The stiffness of the pull over that of the push, at most.
 const PULL_SHARE: f64 = 1.0;
@@ -25,7 +25,7 @@ pub(super) fn unlimited<R: Real>([stiffness, mass]: [f64; 2]) -> RecoveryModel<R
 ///
 /// With `x = κ dt²/(m h²)` for a push of stiffness κ, the limit of 4 is taken up by at most 2 x from links, less than 2 x
 /// from the push on cells whose neighbours are well, and 4 p x from a pull of stiffness p κ.
-pub(super) fn bear<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
+pub(super) fn limit_to_substep<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
     if plan.scheme == Scheme::Implicit {
         return;
     }
@@ -33,7 +33,7 @@ pub(super) fn bear<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
     let secs = plan.recovery_secs();
     let dt = R::from_f64(secs);
     let inverse = body.inverse_cell_size * dt;
-    let push = stiffness.min(R::from_f64(STIFFEST) * mass / (inverse * inverse));
+    let push = stiffness.min(R::from_f64(MAX_PUSH_LOAD) * mass / (inverse * inverse));
     let inverse = body.inverse_cell_size.to_f64() * secs;
     let load = stiffness.to_f64() * inverse * inverse / mass.to_f64();
     // RK4 bears twice as much: its limit is 8.
@@ -67,6 +67,6 @@ pub(super) fn of_springs(kinds: &[CellKind], lattice: &Lattice) -> [f64; 2] {
 /// particles weighed a third of M; its links add at most `loads.stiffness`.
 pub(super) fn of_cells(kinds: &[CellKind], lattice: &Lattice) -> [f64; 2] {
     let cell_size = lattice.grid.cell_size;
-    let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min) * least_share(lattice) / 3.0;
+    let lightest = kinds.iter().map(|kind| kind.mass).fold(f64::INFINITY, f64::min) * min_filled_share(lattice) / 3.0;
     [0.5 * CellLoads::of(kinds, cell_size).stiffness * lightest * cell_size * cell_size, lightest]
 }

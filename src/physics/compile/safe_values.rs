@@ -5,7 +5,7 @@ use crate::geometry::{Family, Lattice};
 use crate::math::{Aabb, Real};
 use crate::physics::compile::assembly;
 use crate::physics::compile::spring_loads::SpringLoads;
-use crate::physics::compile::step_loads::{ContactLoad, Load, StepSettings, loads, times_within};
+use crate::physics::compile::step_loads::{ContactLoad, Load, StepSettings, loads, max_factor_within};
 use crate::physics::limits::cells::CellLoads;
 use crate::physics::limits::particles::Constant;
 use crate::physics::model::BodyModel;
@@ -128,11 +128,11 @@ fn of_springs(
     }
     let least = |load: &Load| {
         1.0 / match loads.by_lightness(springs, &load.links) {
-            None => load.times_lighter(loads.all(springs, &load.links), 0.0),
-            Some(links) => load.times_lighter_by(links),
+            None => load.max_inverse_mass_factor(loads.all(springs, &load.links), 0.0),
+            Some(links) => load.max_inverse_mass_factor_by(links),
         }
     };
-    let by_contact = contact.least_mass(per_damping);
+    let by_contact = contact.min_mass_factor(per_damping);
     let any_has_more = within_has_more || Family::ALL.into_iter().any(family_has_more);
     let own = if any_has_more { f64::INFINITY } else { by_contact };
     let mass = springs.particle_mass * now.iter().map(least).fold(own, f64::max);
@@ -149,7 +149,7 @@ fn of_solid<R: Real>(
     contact: ContactLoad,
 ) -> Vec<SafeValue> {
     let lattice = &model.lattice;
-    let size = host_size(lattice);
+    let size = longest_extent(lattice);
     let loads_of = |damping_ratio: f64| {
         let kind = assembly::solid_cell(&Solid { damping_ratio, ..*solid }, lattice, size);
         CellLoads::of(&[kind], lattice.grid.cell_size).shared(model.composition.load_share())
@@ -163,7 +163,7 @@ fn of_solid<R: Real>(
     if others.stiffness_per_damping > per_damping {
         (times, times_lighter, damping_ratio) = (0.0, 0.0, 0.0);
     }
-    times_lighter = times_lighter.min(1.0 / contact.least_mass(per_damping));
+    times_lighter = times_lighter.min(1.0 / contact.min_mass_factor(per_damping));
     if contact.now().pushes.stiffness_per_damping > per_damping {
         (times, damping_ratio) = (0.0, 0.0);
     }
@@ -175,8 +175,8 @@ fn of_solid<R: Real>(
         }
         let (stiff, damped) = (share.stiffness * loads.stiffness, of_damping * loads.damping);
         // The factors by which E, and by which 1/ρ, may grow.
-        times = times.min(times_within(stiff, damped, limit));
-        times_lighter = times_lighter.min(load.times_lighter(stiff, damped));
+        times = times.min(max_factor_within(stiff, damped, limit));
+        times_lighter = times_lighter.min(load.max_inverse_mass_factor(stiff, damped));
         let room = limit - stiff;
         if room < 0.0 {
             damping_ratio = 0.0;
@@ -198,7 +198,7 @@ fn of_solid<R: Real>(
 }
 
 /// The longest extent of a body at rest, m.
-pub(super) fn host_size(lattice: &Lattice) -> f64 {
+pub(super) fn longest_extent(lattice: &Lattice) -> f64 {
     let rest = (0..lattice.corners.len()).map(|particle| lattice.rest_position(particle));
     Aabb::<f64>::around(rest).size().max_element()
 }

@@ -26,28 +26,28 @@ use crate::physics::schemes::chebyshev::stages_for;
 // instructions and on one thread: coupler-20, coupler-40, spot and cubes of 5, 10 and 20 cells.
 
 /// A link evaluated from the list of a body that has no box.
-const LINK_OF_LIST: f64 = 2.5;
+const LISTED_LINK_COST: f64 = 2.5;
 
 /// A particle in a substep, without its links: contact, integration, the way into the box and back.
-const PARTICLE: f64 = 25.0;
+const PARTICLE_COST: f64 = 25.0;
 
 /// A link in one iteration of the solver, in double precision and from the list.
-const LINK_OF_ITERATION: f64 = 2.4;
+const ITERATION_LINK_COST: f64 = 2.4;
 
 /// A particle in one iteration of the solver.
-const PARTICLE_OF_ITERATION: f64 = 15.0;
+const ITERATION_PARTICLE_COST: f64 = 15.0;
 
 /// Rounds of the solver in a step in which bodies may meet obstacles, on average over falls, landings and rest.
 const ROUNDS_AMONG_OBSTACLES: f64 = 1.5;
 
 /// Iterations for each cell along the body until information has crossed it.
-const ITERATIONS_A_CELL: f64 = 8.0;
+const ITERATIONS_PER_CELL: f64 = 8.0;
 
 /// A solve with coarse grids, in iterations without: a dozen, each of which costs twice as much.
 const ITERATIONS_WITH_GRIDS: f64 = 25.0;
 
 /// `½ ln(2/ε)` for the relative error ε that a solution may have.
-const ITERATIONS_A_ROOT: f64 = 5.0;
+const ITERATIONS_PER_ROOT_CONDITION: f64 = 5.0;
 
 /// The cost of a scheme in substeps of this length; `semi_implicit` are the limits of semi-implicit Euler, `damping_rate`
 /// (1/s) sets the number of stages of the stabilised scheme.
@@ -59,11 +59,11 @@ pub(super) fn of<R: Real>(
     substep_secs: f64,
 ) -> SchemeCost {
     let substep = match scheme {
-        Scheme::Implicit => solutions(model, condition(semi_implicit, substep_secs)),
-        Scheme::Stabilised => f64::from(stages_for(damping_rate * substep_secs)) * evaluation(model),
-        Scheme::Rk4 => 4.0 * evaluation(model),
-        Scheme::Rk2 => 2.0 * evaluation(model),
-        Scheme::SemiImplicit | Scheme::Explicit | Scheme::Verlet => evaluation(model),
+        Scheme::Implicit => solve_cost(model, condition_number(semi_implicit, substep_secs)),
+        Scheme::Stabilised => f64::from(stages_for(damping_rate * substep_secs)) * evaluation_cost(model),
+        Scheme::Rk4 => 4.0 * evaluation_cost(model),
+        Scheme::Rk2 => 2.0 * evaluation_cost(model),
+        Scheme::SemiImplicit | Scheme::Explicit | Scheme::Verlet => evaluation_cost(model),
     };
     SchemeCost { scheme, substep_secs, cost_per_sec: substep / substep_secs }
 }
@@ -74,8 +74,8 @@ impl SchemeCost {
     #[must_use]
     pub fn of_bodies(self, these: &[LatticeCounts], in_place_of: &[LatticeCounts]) -> Self {
         let [of_link, of_particle] = match self.scheme {
-            Scheme::Implicit => [LINK_OF_ITERATION, PARTICLE_OF_ITERATION],
-            _ => [1.0, PARTICLE],
+            Scheme::Implicit => [ITERATION_LINK_COST, ITERATION_PARTICLE_COST],
+            _ => [1.0, PARTICLE_COST],
         };
         let of_body = |body: &LatticeCounts| of_link * body.all_links() as f64 + of_particle * body.particles as f64;
         let operations = |bodies: &[LatticeCounts]| bodies.iter().map(of_body).sum::<f64>();
@@ -84,33 +84,33 @@ impl SchemeCost {
 }
 
 /// The cost of evaluating the forces once and of moving by them.
-fn evaluation<R: Real>(model: &Model<R>) -> f64 {
+fn evaluation_cost<R: Real>(model: &Model<R>) -> f64 {
     let of_body = |body: &BodyModel<R>| {
-        let link = if body.boxed_links.is_some() { 1.0 } else { LINK_OF_LIST };
-        link * links(body) + PARTICLE * body.particles.len() as f64
+        let link = if body.boxed_links.is_some() { 1.0 } else { LISTED_LINK_COST };
+        link * link_count(body) + PARTICLE_COST * body.particles.len() as f64
     };
     model.bodies.iter().map(of_body).sum()
 }
 
 /// The cost of solving the equations of a step, which have this condition number.
-fn solutions<R: Real>(model: &Model<R>, condition: f64) -> f64 {
-    let by_condition = ITERATIONS_A_ROOT * condition.sqrt();
+fn solve_cost<R: Real>(model: &Model<R>, condition: f64) -> f64 {
+    let by_condition = ITERATIONS_PER_ROOT_CONDITION * condition.sqrt();
     let rounds = if model.obstacles.is_empty() { 1.0 } else { ROUNDS_AMONG_OBSTACLES };
     let of_body = |body: &BodyModel<R>| {
         let cells = body.lattice.grid.dims.into_iter().max().unwrap_or(1);
-        let iterations = by_condition.min(ITERATIONS_A_CELL * f64::from(cells)).min(ITERATIONS_WITH_GRIDS);
-        let iteration = LINK_OF_ITERATION * links(body) + PARTICLE_OF_ITERATION * body.particles.len() as f64;
+        let iterations = by_condition.min(ITERATIONS_PER_CELL * f64::from(cells)).min(ITERATIONS_WITH_GRIDS);
+        let iteration = ITERATION_LINK_COST * link_count(body) + ITERATION_PARTICLE_COST * body.particles.len() as f64;
         rounds * (SOLVE_WORK as f64 + iterations) * iteration
     };
     model.bodies.iter().map(of_body).sum()
 }
 
-fn links<R: Real>(body: &BodyModel<R>) -> f64 {
+fn link_count<R: Real>(body: &BodyModel<R>) -> f64 {
     body.links.iter().map(|family| family.links.len()).sum::<usize>() as f64
 }
 
 /// The condition number of the equations of a step of `dt` (s), from the limits of a scheme that counts damping once.
-fn condition(limits: &SceneLimits, dt: f64) -> f64 {
+fn condition_number(limits: &SceneLimits, dt: f64) -> f64 {
     let of_term = |&(term, limit): &(Term, Option<f64>)| match (term, limit) {
         (Term::Stiffness(_), Some(limit)) => 4.0 * (dt / limit) * (dt / limit),
         (Term::Damping(_), Some(limit)) => 2.0 * dt / limit,
@@ -176,7 +176,7 @@ mod tests {
         let model = simulation.model();
         let links: usize = model.link_counts().iter().sum();
         let iteration =
-            super::LINK_OF_ITERATION * links as f64 + super::PARTICLE_OF_ITERATION * model.particle_count() as f64;
+            super::ITERATION_LINK_COST * links as f64 + super::ITERATION_PARTICLE_COST * model.particle_count() as f64;
         [simulation.plan().scheme_costs[0].cost_per_sec / iteration, counted.implicit_work() as f64]
     }
 

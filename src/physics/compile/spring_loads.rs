@@ -34,7 +34,7 @@ impl Mixed {
     }
 
     /// The largest load of these springs together with the others.
-    fn most(&self, springs: &Springs, of: Constant, weights: [f64; 3]) -> f64 {
+    fn largest_load(&self, springs: &Springs, of: Constant, weights: [f64; 3]) -> f64 {
         self.loads.largest_load(self.assumed(&spring_cell(springs)), of, weights)
     }
 }
@@ -115,8 +115,8 @@ impl SpringLoads {
         match &self.mixed {
             None => largest_over_waves(&waves().tensors, self.of_families(springs, share)),
             Some(mixed) => {
-                let stiffness = mixed.most(springs, Constant::Stiffness, [share.stiffness; 3]);
-                stiffness + mixed.most(springs, Constant::Damping, share.damping)
+                let stiffness = mixed.largest_load(springs, Constant::Stiffness, [share.stiffness; 3]);
+                stiffness + mixed.largest_load(springs, Constant::Damping, share.damping)
             }
         }
     }
@@ -131,14 +131,14 @@ impl SpringLoads {
         match &self.mixed {
             None => largest_over_waves(&waves().tensors, only(self.of_families(springs, share))),
             Some(mixed) => {
-                let stiffness = mixed.most(springs, Constant::Stiffness, only([share.stiffness; 3]));
-                stiffness + mixed.most(springs, Constant::Damping, only(share.damping))
+                let stiffness = mixed.largest_load(springs, Constant::Stiffness, only([share.stiffness; 3]));
+                stiffness + mixed.largest_load(springs, Constant::Damping, only(share.damping))
             }
         }
     }
 
     /// The largest load that a family's links of the body's own springs have for a constant of 1 per unit mass and length.
-    pub(super) fn of_one(&self, springs: &Springs, family: Family) -> f64 {
+    pub(super) fn load_per_unit(&self, springs: &Springs, family: Family) -> f64 {
         let mut unit = [0.0; 3];
         unit[family as usize] = 1.0;
         match &self.mixed {
@@ -163,7 +163,7 @@ impl SpringLoads {
             Constant::Stiffness => [([share.stiffness; 3], of), (share.damping, Constant::Damping)],
             Constant::Damping => [(share.damping, of), ([share.stiffness; 3], Constant::Stiffness)],
         };
-        let left = limit - mixed.most(springs, other.1, other.0);
+        let left = limit - mixed.largest_load(springs, other.1, other.0);
         let values = spring_cell(springs);
         if left < 0.0 { 0.0 } else { mixed.loads.largest_constant(mixed.assumed(&values), (family, of), own.0, left) }
     }

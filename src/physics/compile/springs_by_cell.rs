@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::assembly::{Assembled, in_classes};
+use super::assembly::{Assembled, classed_family};
 use super::link_classes::{ClassKey, Classes, NO_CELL, cells_around, holders, present};
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
@@ -50,7 +50,7 @@ pub(super) fn springs_by_cell<R: Real>(
         let constants = |kind: &CellKind| [kind.stiffness[family as usize], kind.damping[family as usize]];
         let mixtures: Vec<Mixture> = classes.keys.iter().map(mixture).collect();
         let constants = mixtures.iter().map(|mixture| mean(mixture, &kinds, constants)).collect();
-        (in_classes(links, of_link, constants), mixtures)
+        (classed_family(links, of_link, constants), mixtures)
     });
     let made_of = families.each_ref().map(|(family, mixtures)| MixtureClasses { class: family.classes(), mixtures });
     let masses_made_of = MixtureClasses { class: &of_particle, mixtures: &of_masses };
@@ -95,7 +95,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::voxel::Cells;
-    use crate::physics::compile::assembly::measured;
+    use crate::physics::compile::assembly::measure_links;
 
     fn springs(stiffness: f64, particle_mass: f64) -> Springs {
         let mut springs = Springs { particle_mass, ..Springs::default() };
@@ -112,7 +112,7 @@ mod tests {
         let rest: Vec<DVec3> = (0..lattice.corners.len()).map(|p| lattice.rest_position(p)).collect();
         let kinds = [springs(1.0, 4.0), springs(9.0, 12.0)].map(|springs| spring_cell(&springs));
         let (assembled, _) =
-            springs_by_cell(kinds.into(), &Values::Each(kind_of_cell), &lattice, measured(&lattice, &rest));
+            springs_by_cell(kinds.into(), &Values::Each(kind_of_cell), &lattice, measure_links(&lattice, &rest));
         (lattice, assembled)
     }
 

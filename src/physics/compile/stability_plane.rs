@@ -12,7 +12,7 @@
 //! they are. For a solid all links scale together, and the axes are those of its structural ones.
 
 use super::assembly::solid_cell;
-use super::safe_values::{host_size, other_loads};
+use super::safe_values::{longest_extent, other_loads};
 use super::spring_loads::SpringLoads;
 use super::step_loads::StepSettings;
 use crate::geometry::Family;
@@ -187,7 +187,7 @@ impl Values {
 
     fn of_solid<R: Real>(solid: &Solid, model: &BodyModel<R>) -> Self {
         let lattice = &model.lattice;
-        let (size, h) = (host_size(lattice), lattice.grid.cell_size);
+        let (size, h) = (longest_extent(lattice), lattice.grid.cell_size);
         let kind_of = |damping_ratio: f64| solid_cell(&Solid { damping_ratio, ..*solid }, lattice, size);
         let (kind, critical) = (kind_of(solid.damping_ratio), kind_of(1.0));
         let per_value = 1.0 / (kind.mass * h);
@@ -250,7 +250,7 @@ impl Values {
     /// The largest eigenvalue of the axes' links alone, for unit constants per unit mass.
     fn largest_load(&self) -> f64 {
         match self {
-            Self::Springs { springs, loads, family, .. } => loads.of_one(springs, *family),
+            Self::Springs { springs, loads, family, .. } => loads.load_per_unit(springs, *family),
             Self::Solid { load, .. } => *load,
         }
     }

@@ -97,7 +97,7 @@ impl ContactLoad {
     }
 
     /// The least factor of the mass where stiffness over damping may be `per_damping` (1/s) at most.
-    pub(super) fn least_mass(self, per_damping: f64) -> f64 {
+    pub(super) fn min_mass_factor(self, per_damping: f64) -> f64 {
         let [following, given] = [self.following, self.given].map(|load| load.pushes.stiffness_per_damping);
         if following > per_damping { f64::INFINITY } else { (given / per_damping) * (given / per_damping) }
     }
@@ -123,11 +123,11 @@ impl Load {
 
     /// The largest factor of 1/mass. The links add `stiff` and `damped` to the load now: the former grows with 1/mass, the
     /// latter with its root.
-    pub(super) fn times_lighter(&self, stiff: f64, damped: f64) -> f64 {
+    pub(super) fn max_inverse_mass_factor(&self, stiff: f64, damped: f64) -> f64 {
         let of_following = LATTICE_LIMIT - self.of(self.contact.following);
         let given = self.contact.given;
         let (stiff_given, damped_given) = (self.contact_secs2 * given.stiffness, self.links.pushes * given.pushes.rate);
-        times_within(stiff, damped, of_following).min(times_within(
+        max_factor_within(stiff, damped, of_following).min(max_factor_within(
             stiff + stiff_given,
             damped + damped_given,
             LATTICE_LIMIT,
@@ -135,7 +135,7 @@ impl Load {
     }
 
     /// The same where `links` is what the links add for a factor of 1/mass.
-    pub(super) fn times_lighter_by(&self, links: impl Fn(f64) -> f64) -> f64 {
+    pub(super) fn max_inverse_mass_factor_by(&self, links: impl Fn(f64) -> f64) -> f64 {
         let of_following = LATTICE_LIMIT - self.of(self.contact.following);
         let given = self.contact.given;
         let (stiff_given, damped_given) = (self.contact_secs2 * given.stiffness, self.links.pushes * given.pushes.rate);
@@ -143,7 +143,7 @@ impl Load {
             let links = links(times);
             links <= of_following && links + stiff_given * times + damped_given * times.sqrt() <= LATTICE_LIMIT
         };
-        let [mut low, mut high] = [-FARTHEST, FARTHEST];
+        let [mut low, mut high] = [-MAX_LOG2_FACTOR, MAX_LOG2_FACTOR];
         if fits(libm::exp2(high)) {
             return f64::INFINITY;
         }
@@ -159,7 +159,7 @@ impl Load {
 }
 
 /// Factors of 1/mass are searched from two to the power of minus this up to two to the power of this.
-const FARTHEST: f64 = 60.0;
+const MAX_LOG2_FACTOR: f64 = 60.0;
 
 /// The loads of a step.
 pub(super) fn loads(step: StepSettings, contact: ContactLoad, angles_are_held: bool) -> Vec<Load> {
@@ -176,7 +176,7 @@ pub(super) fn loads(step: StepSettings, contact: ContactLoad, angles_are_held: b
 
 /// The largest factor of E/ρ, x², with which stiff x² + damped x is within the limit: stiffness grows with E/ρ, damping with
 /// z √(E/ρ).
-pub(super) fn times_within(stiff: f64, damped: f64, limit: f64) -> f64 {
+pub(super) fn max_factor_within(stiff: f64, damped: f64, limit: f64) -> f64 {
     if limit <= 0.0 {
         return 0.0;
     }

@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::distance_cache::{BATCH_SIZE, DistanceCache, ParticleBatch};
 use super::narrow::mesh::{NearestPointCache, rounding_margin};
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::kernels::{GROUP, motion_bounds};
+use crate::physics::kernels::{GROUP_SIZE, motion_bounds};
 use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
 use crate::physics::state::State;
 use crate::physics::step::substep::Substep;
@@ -38,7 +38,7 @@ impl<R: Real> BroadPhase<R> {
     pub(super) fn new(model: &Model<R>, particles: usize) -> Self {
         Self {
             obstacles: Vec::with_capacity(model.obstacles.len()),
-            groups: Vec::with_capacity(particles.div_ceil(GROUP)),
+            groups: Vec::with_capacity(particles.div_ceil(GROUP_SIZE)),
             reach: R::ZERO,
             particles: Vec::with_capacity(particles.div_ceil(BATCH_SIZE)),
             meshes: Vec::with_capacity(model.mesh_count()),
@@ -68,9 +68,9 @@ impl<R: Real> BroadPhase<R> {
         let own = body.particles.clone();
         let position = &state.position[own.clone()];
         self.groups.clear();
-        self.groups.resize(own.len().div_ceil(GROUP), Aabb::empty());
-        team::by_groups(plan.threads, GROUP, &mut self.groups, |part, groups| {
-            let these = part.start * GROUP..own.len().min(part.end * GROUP);
+        self.groups.resize(own.len().div_ceil(GROUP_SIZE), Aabb::empty());
+        team::by_groups(plan.threads, GROUP_SIZE, &mut self.groups, |part, groups| {
+            let these = part.start * GROUP_SIZE..own.len().min(part.end * GROUP_SIZE);
             motion_bounds::<R>(plan.simd, &position[these.clone()], &velocity[these], dt, groups);
         });
         let motion = self.groups.iter().copied().fold(Aabb::empty(), Aabb::joined);
@@ -95,8 +95,8 @@ impl<R: Real> BroadPhase<R> {
         let own = substep.model.bodies[number].particles.clone();
         let position = &substep.state.position[own.clone()];
         self.particles.clear();
-        for group in 0..own.len().div_ceil(GROUP) {
-            let all = group * GROUP..own.len().min((group + 1) * GROUP);
+        for group in 0..own.len().div_ceil(GROUP_SIZE) {
+            let all = group * GROUP_SIZE..own.len().min((group + 1) * GROUP_SIZE);
             if !substep.plan.broad_phase {
                 self.particles.push(all);
                 continue;
@@ -166,8 +166,8 @@ impl<R: Real> BroadPhase<R> {
             return true;
         }
         let own = substep.model.bodies[number].particles.clone();
-        let first = own.start + group * GROUP;
-        touches(&obstacle.shape, substep.state, first..own.end.min(first + GROUP))
+        let first = own.start + group * GROUP_SIZE;
+        touches(&obstacle.shape, substep.state, first..own.end.min(first + GROUP_SIZE))
     }
 
     /// Whether the motion of a group in the box around an obstacle may come near the obstacle itself. Does not look at every
@@ -178,7 +178,7 @@ impl<R: Real> BroadPhase<R> {
         let margin = rounding_margin(mesh, bounds.center()) * R::from_f64(2.0);
         let half = (bounds.size().length() * R::from_f64(0.5) + self.reach + margin).to_f64();
         // A mesh that moves comes towards the particles.
-        obstacle.carry.is_some() || !mesh.surface.is_beyond(mesh.own(bounds.center()), half / mesh.length)
+        obstacle.carry.is_some() || !mesh.surface.is_beyond(mesh.in_local_frame(bounds.center()), half / mesh.length)
     }
 }
 

@@ -16,7 +16,7 @@ use crate::physics::model::plan::Stage;
 use crate::physics::model::{ContactModel, ObstacleModel, ObstacleShape};
 use crate::physics::report::Recorder;
 use crate::physics::step::substep::Substep;
-use crate::physics::team::{self, FEWEST_THAT_MEET};
+use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// Changes the predicted velocities of all particles that meet an obstacle within this substep.
 pub(in crate::physics) fn respond<R: Real>(
@@ -90,26 +90,32 @@ impl<R: Real> Candidates<'_, '_, R> {
             recorder.enter(Stage::BroadPhase);
         }
         let (obstacles, before) = (model.obstacles.len(), &*velocity);
-        team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (&mut of_bodies[..], ()), |these, workspaces, ()| {
-            for (number, workspace) in these.zip(workspaces) {
-                workspace.tests = TestCounts::default();
-                workspace.broad_phase.obstacles.clear();
-                if meets(number) {
-                    let marked_near = &marked_near[number * obstacles..][..obstacles];
-                    let own = &before[model.bodies[number].particles.clone()];
-                    workspace
-                        .broad_phase
-                        .find_obstacles(substep, number, own, R::ZERO, |obstacle| marked_near[obstacle]);
+        team::for_body_ranges(
+            plan.threads,
+            MIN_CONTACT_PARTICLES,
+            model,
+            (&mut of_bodies[..], ()),
+            |these, workspaces, ()| {
+                for (number, workspace) in these.zip(workspaces) {
+                    workspace.tests = TestCounts::default();
+                    workspace.broad_phase.obstacles.clear();
+                    if meets(number) {
+                        let marked_near = &marked_near[number * obstacles..][..obstacles];
+                        let own = &before[model.bodies[number].particles.clone()];
+                        workspace
+                            .broad_phase
+                            .find_obstacles(substep, number, own, R::ZERO, |obstacle| marked_near[obstacle]);
+                    }
                 }
-            }
-        });
+            },
+        );
         if of_bodies.iter().any(|workspace| !workspace.broad_phase.obstacles.is_empty()) {
             recorder.enter(Stage::Contact);
             let earlier_contacts = &*contacts;
             let to = (&mut of_bodies[..], (velocity, other));
-            team::side_by_side(
+            team::for_body_ranges(
                 plan.threads,
-                FEWEST_THAT_MEET,
+                MIN_CONTACT_PARTICLES,
                 model,
                 to,
                 |these, workspaces, (velocity, mut other)| {

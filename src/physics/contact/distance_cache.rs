@@ -105,7 +105,7 @@ impl<R: Real> DistanceCache<R> {
         let mut nearest = f64::INFINITY;
         for (particle, position) in batch.range.clone().zip(position) {
             let cache = &caches[particle * meshes + mesh.place];
-            nearest = nearest.min(cache.least_distance(mesh, mesh.own(*position)) * mesh.length);
+            nearest = nearest.min(cache.least_distance(mesh, mesh.in_local_frame(*position)) * mesh.length);
             if nearest <= needed {
                 *distance = -CALLS_TAKEN_AS_NEAR;
                 return false;

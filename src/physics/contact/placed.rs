@@ -33,7 +33,7 @@ impl<R: Real> Placed<R> {
 
     /// Places the obstacles as they move in the next `secs`; where that is zero, as they stand.
     pub(in crate::physics) fn place(&mut self, model: &Model<R>, state: &State<R>, secs: f64) {
-        let moves = !state.sweeps.is_empty() || !state.approaches.is_empty() || model.moves_by_itself();
+        let moves = !state.sweeps.is_empty() || !state.approaches.is_empty() || model.has_moving_obstacle();
         if !moves && !self.moves {
             return;
         }

@@ -9,11 +9,11 @@ use glam::DVec3;
 
 use crate::math::{Real, Vector};
 use crate::physics::forces::links::{ExactLink, elastic_force, for_each_exact_link};
-use crate::physics::kernels::{self, BoxedLinks, LinkSum, Pass, Piece, Start, pieces};
+use crate::physics::kernels::{self, BoxedLinks, InitialForce, LinkSum, Pass, Piece, pieces};
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
 use crate::physics::step::substep::Substep;
-use crate::physics::team::{self, Halves};
+use crate::physics::team::{self, DivisibleWork};
 
 /// The workspace for links in double precision.
 #[derive(Clone, Debug, Default)]
@@ -87,7 +87,7 @@ impl ExactLinks {
         let sums = &mut self.vectors[..own.len()];
         let only = pieces.len() == 1;
         let work = |piece: &mut Piece<f64>, sums: &mut [DVec3], stops: &dyn Fn() -> bool| {
-            let start = Start::Alike(DVec3::ZERO);
+            let start = InitialForce::Alike(DVec3::ZERO);
             kernels::add_forces(links, pass, [position; 2], start, sums, piece, stops, &mut |_, _| ());
         };
         if only {
@@ -159,7 +159,7 @@ pub(in crate::physics) struct ByPiece<'a, T, C, W> {
     pub(in crate::physics) work: &'a W,
 }
 
-impl<T, C, W> Halves for ByPiece<'_, T, C, W>
+impl<T, C, W> DivisibleWork for ByPiece<'_, T, C, W>
 where
     T: Send,
     C: Fn(&Piece<f64>) -> usize + Sync,

@@ -14,16 +14,16 @@ use links::{Configuration, for_each_link, is_damped};
 use particles::{kick_particles, write_weights};
 
 use crate::math::Real;
-use crate::physics::kernels::{self, Pass, Start};
+use crate::physics::kernels::{self, InitialForce, Pass};
 use crate::physics::limits::present::Sums;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{Model, Scheme, Values};
 use crate::physics::report::Recorder;
-use crate::physics::share::{Share, middle, shares};
+use crate::physics::share::{Share, balanced_cut, shares};
 use crate::physics::state::BodyMemory;
 use crate::physics::state::sleep::awake;
 use crate::physics::step::substep::Substep;
-use crate::physics::team::{self, Halves};
+use crate::physics::team::{self, DivisibleWork};
 
 /// The workspace of a force evaluation.
 #[derive(Clone, Debug)]
@@ -191,10 +191,10 @@ impl<R: Real> LinkForces<'_, R> {
             let [position, velocity] = [at.position, at.velocity].map(|of| &of[body.particles.clone()]);
             let local = share.particles.start - body.particles.start..share.particles.end - body.particles.start;
             let start = match &body.masses {
-                Values::Uniform(mass) if share.piece.is_some() => Start::Alike(model.gravity * *mass),
+                Values::Uniform(mass) if share.piece.is_some() => InitialForce::Alike(model.gravity * *mass),
                 _ => {
                     write_weights(model, body, local, own);
-                    Start::Each
+                    InitialForce::Each
                 }
             };
             let mut kicks =
@@ -244,14 +244,14 @@ impl<R: Real> Kicks<'_, R> {
     }
 }
 
-impl<R: Real> Halves for LinkForces<'_, R> {
+impl<R: Real> DivisibleWork for LinkForces<'_, R> {
     fn pieces(&self) -> usize {
         self.shares.len()
     }
 
     fn halve(self) -> [Self; 2] {
         let Self { substep, at, shares, mut force, mut kick } = self;
-        let (low, high) = shares.split_at_mut(middle(shares, &substep.state.bodies));
+        let (low, high) = shares.split_at_mut(balanced_cut(shares, &substep.state.bodies));
         let count = low.iter().map(|share| share.particles.len()).sum();
         let on_low = force.split_off_mut(..count).unwrap_or_default();
         let low_kick = kick.as_mut().and_then(|kick| kick.split_off(count));

@@ -5,9 +5,9 @@ use crate::math::{Real, Vector};
 use crate::physics::forces::ForceWorkspace;
 use crate::physics::kernels::{self, SimdLevel};
 use crate::physics::model::{BodyModel, Model};
-use crate::physics::share::{Share, middle};
+use crate::physics::share::{Share, balanced_cut};
 use crate::physics::state::BodyMemory;
-use crate::physics::team::{self, Halves};
+use crate::physics::team::{self, DivisibleWork};
 
 /// A motion along straight lines, in which links are checked for strain.
 #[derive(Clone, Copy, Debug)]
@@ -67,14 +67,14 @@ struct StrainCheck<'a, R: Real> {
     shares: &'a mut [Share<R>],
 }
 
-impl<R: Real> Halves for StrainCheck<'_, R> {
+impl<R: Real> DivisibleWork for StrainCheck<'_, R> {
     fn pieces(&self) -> usize {
         self.shares.len()
     }
 
     fn halve(self) -> [Self; 2] {
         let Self { model, memories, level, motion, shares } = self;
-        let (low, high) = shares.split_at_mut(middle(shares, memories));
+        let (low, high) = shares.split_at_mut(balanced_cut(shares, memories));
         [low, high].map(|shares| Self { model, memories, level, motion, shares })
     }
 

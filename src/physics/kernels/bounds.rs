@@ -11,7 +11,7 @@ use crate::physics::kernels::SimdLevel;
 const PLACES: usize = 3 * 16;
 
 /// Vectors that share a bounding box, where they are boxed in groups.
-pub(in crate::physics) const GROUP: usize = 64;
+pub(in crate::physics) const GROUP_SIZE: usize = 64;
 
 /// Returns the bounding box of some vectors.
 pub(in crate::physics) fn bounds<R: Real>(level: SimdLevel, of: &[R::Vec3]) -> Aabb<R> {
@@ -26,19 +26,19 @@ pub(in crate::physics) fn bounds<R: Real>(level: SimdLevel, of: &[R::Vec3]) -> A
 }
 
 /// Returns the bounding box of the differences `to - from` of pairs of vectors.
-pub(in crate::physics) fn bounds_of_ways<R: Real>(level: SimdLevel, from: &[R::Vec3], to: &[R::Vec3]) -> Aabb<R> {
+pub(in crate::physics) fn displacement_bounds<R: Real>(level: SimdLevel, from: &[R::Vec3], to: &[R::Vec3]) -> Aabb<R> {
     level.run(
         #[inline(always)]
         || {
             let mut extremes = Extremes::none();
-            extremes.include_ways(components(from), components(to));
+            extremes.include_displacements(components(from), components(to));
             extremes.bounds()
         },
     )
 }
 
-/// Writes the bounding box of the motion of each [`GROUP`] of particles that move from `position` (m) for `secs` with
-/// `velocity` (m/s).
+/// Writes the bounding box of the motion of each [`GROUP_SIZE`] of particles that move from `position` (m) for `secs`
+/// with `velocity` (m/s).
 pub(in crate::physics) fn motion_bounds<R: Real>(
     level: SimdLevel,
     position: &[R::Vec3],
@@ -49,7 +49,7 @@ pub(in crate::physics) fn motion_bounds<R: Real>(
     level.run(
         #[inline(always)]
         || {
-            for ((position, velocity), to) in position.chunks(GROUP).zip(velocity.chunks(GROUP)).zip(boxes) {
+            for ((position, velocity), to) in position.chunks(GROUP_SIZE).zip(velocity.chunks(GROUP_SIZE)).zip(boxes) {
                 let mut extremes = Extremes::none();
                 extremes.include::<true>(components(position), components(velocity), secs);
                 *to = extremes.bounds();
@@ -58,8 +58,8 @@ pub(in crate::physics) fn motion_bounds<R: Real>(
     );
 }
 
-/// Whether all particles that move from `position` (m) for `secs` along `path` (m/s) come to a finite place. False if an
-/// input is not finite.
+/// Whether all particles that move from `position` (m) for `secs` with `velocity` (m/s) come to a finite place. False if
+/// an input is not finite.
 pub(in crate::physics) fn are_finite<R: Real>(
     level: SimdLevel,
     position: &[R::Vec3],
@@ -99,30 +99,30 @@ impl<R: Real> Extremes<R> {
         let (velocities, velocity_rest) = velocity.as_chunks::<PLACES>();
         for (from, velocity) in whole.iter().zip(velocities) {
             for place in 0..PLACES {
-                self.take::<MOVE>(place, from[place], velocity[place], secs);
+                self.include_number::<MOVE>(place, from[place], velocity[place], secs);
             }
         }
         for (place, (from, velocity)) in rest.iter().zip(velocity_rest).enumerate() {
-            self.take::<MOVE>(place, *from, *velocity, secs);
+            self.include_number::<MOVE>(place, *from, *velocity, secs);
         }
     }
 
     /// Includes the differences `to - from`.
     #[inline(always)]
-    fn include_ways(&mut self, from: &[R], to: &[R]) {
+    fn include_displacements(&mut self, from: &[R], to: &[R]) {
         let ((whole, rest), (ends, ends_rest)) = (from.as_chunks::<PLACES>(), to.as_chunks::<PLACES>());
         for (from, to) in whole.iter().zip(ends) {
             for place in 0..PLACES {
-                self.take::<false>(place, to[place] - from[place], R::ZERO, R::ZERO);
+                self.include_number::<false>(place, to[place] - from[place], R::ZERO, R::ZERO);
             }
         }
         for (place, (from, to)) in rest.iter().zip(ends_rest).enumerate() {
-            self.take::<false>(place, *to - *from, R::ZERO, R::ZERO);
+            self.include_number::<false>(place, *to - *from, R::ZERO, R::ZERO);
         }
     }
 
     #[inline(always)]
-    fn take<const MOVE: bool>(&mut self, place: usize, from: R, velocity: R, secs: R) {
+    fn include_number<const MOVE: bool>(&mut self, place: usize, from: R, velocity: R, secs: R) {
         // Not `min`, whose rules for NaN double the cost. A NaN is passed over here too.
         let smaller = |a: R, b: R| if b < a { b } else { a };
         let larger = |a: R, b: R| if b > a { b } else { a };
@@ -164,14 +164,14 @@ pub(super) mod tests {
             for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
                 assert_eq!(bounds::<f32>(level, &position), Aabb::around(position.iter().copied()), "{count}");
                 let ways = position.iter().zip(&velocity).map(|(from, to)| *to - *from);
-                assert_eq!(bounds_of_ways::<f32>(level, &position, &velocity), Aabb::around(ways), "{count}");
-                let mut boxes = vec![Aabb::empty(); count.div_ceil(GROUP)];
+                assert_eq!(displacement_bounds::<f32>(level, &position, &velocity), Aabb::around(ways), "{count}");
+                let mut boxes = vec![Aabb::empty(); count.div_ceil(GROUP_SIZE)];
                 motion_bounds::<f32>(level, &position, &velocity, 0.25, &mut boxes);
                 let ends = |group: usize| {
-                    let own = group * GROUP..count.min((group + 1) * GROUP);
+                    let own = group * GROUP_SIZE..count.min((group + 1) * GROUP_SIZE);
                     own.flat_map(|p| [position[p], position[p] + velocity[p] * 0.25]).collect::<Vec<_>>()
                 };
-                let expected: Vec<_> = (0..count.div_ceil(GROUP)).map(|group| Aabb::around(ends(group))).collect();
+                let expected: Vec<_> = (0..count.div_ceil(GROUP_SIZE)).map(|group| Aabb::around(ends(group))).collect();
                 assert_eq!(boxes, expected, "{count} at {level:?}");
             }
         }

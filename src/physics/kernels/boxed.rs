@@ -20,7 +20,7 @@ pub(super) struct Law<R> {
 
 /// The constants of links that differ, one for each corner of a block; zero where no link starts.
 #[derive(Clone, Debug)]
-pub(super) struct EachLaw<R> {
+pub(super) struct PerCornerLaw<R> {
     /// The law of a link with a stiffness of 1 N and a damping of 1 N·s.
     pub(super) unit: Law<R>,
     /// Force at 100 % strain, N.
@@ -41,7 +41,7 @@ pub(super) enum TermLaw<R> {
     /// All links have the same constants.
     Alike(Law<R>),
     /// Every link has its own.
-    Each(Box<EachLaw<R>>),
+    Each(Box<PerCornerLaw<R>>),
 }
 
 impl<R: Real> TermLaw<R> {
@@ -52,9 +52,13 @@ impl<R: Real> TermLaw<R> {
                 TermLaw::Alike(Law { stiffness, slope: stiffness * inverse_rest_length, damping })
             }
             Self::Each(each) => {
-                let EachLaw { stiffness, damping, .. } = &**each;
+                let PerCornerLaw { stiffness, damping, .. } = &**each;
                 let [stiffness, damping] = [stiffness, damping].map(|of| of.map(Real::to_f64));
-                TermLaw::Each(Box::new(EachLaw { unit: Law::new([1.0; 2], inverse_rest_length), stiffness, damping }))
+                TermLaw::Each(Box::new(PerCornerLaw {
+                    unit: Law::new([1.0; 2], inverse_rest_length),
+                    stiffness,
+                    damping,
+                }))
             }
         }
     }
@@ -98,14 +102,19 @@ impl<R: Real> BoxedLinks<R> {
         for (number, family) in families.iter().enumerate() {
             if let LinkConstants::Classes { of_link, constants } = &family.constants {
                 let constants = of_link.iter().map(|class| constants[usize::from(*class)]);
-                share_out(&layout, layout.starts_of(lattice, number).zip(constants), inverse_rest_length, &mut laws);
+                store_constants(
+                    &layout,
+                    layout.starts_of(lattice, number).zip(constants),
+                    inverse_rest_length,
+                    &mut laws,
+                );
             }
         }
         for block in &layout.blocks {
             let masks = &layout.masks[block.first..block.first + BLOCK];
             for term in block.terms.clone() {
                 if let TermLaw::Each(each) = &laws[term]
-                    && let Some(law) = common(each, layout.terms[term].slot, masks)
+                    && let Some(law) = common_law(each, layout.terms[term].slot, masks)
                 {
                     laws[term] = TermLaw::Alike(law);
                 }
@@ -143,7 +152,7 @@ impl<R: Real> BoxedLinks<R> {
 }
 
 /// Stores the constants of the links of one family, which are given in ascending order of the corners they start at.
-fn share_out<R: Real>(
+fn store_constants<R: Real>(
     layout: &Layout,
     links: impl Iterator<Item = ((usize, usize), [R; 2])>,
     inverse_rest_length: [R; 16],
@@ -160,7 +169,7 @@ fn share_out<R: Real>(
         if let TermLaw::Alike(_) = laws[term] {
             let zeros = [R::ZERO; BLOCK];
             let unit = Law::new([R::ONE; 2], inverse_rest_length[slot]);
-            laws[term] = TermLaw::Each(Box::new(EachLaw { unit, stiffness: zeros, damping: zeros }));
+            laws[term] = TermLaw::Each(Box::new(PerCornerLaw { unit, stiffness: zeros, damping: zeros }));
         }
         if let TermLaw::Each(each) = &mut laws[term] {
             (each.stiffness[lane], each.damping[lane]) = (stiffness, damping);
@@ -169,8 +178,8 @@ fn share_out<R: Real>(
 }
 
 /// Returns the law of the links of one direction in a block, if they are all alike.
-fn common<R: Real>(each: &EachLaw<R>, slot: usize, masks: &[u16]) -> Option<Law<R>> {
-    let EachLaw { unit, stiffness, damping } = each;
+fn common_law<R: Real>(each: &PerCornerLaw<R>, slot: usize, masks: &[u16]) -> Option<Law<R>> {
+    let PerCornerLaw { unit, stiffness, damping } = each;
     let lanes = (0..BLOCK).filter(|lane| masks[*lane] >> slot & 1 == 1);
     let mut constants = lanes.map(|lane| [stiffness[lane], damping[lane]]);
     let first = constants.next()?;

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use crate::physics::kernels::block::{Lanes, Mask};
-use crate::physics::kernels::boxed::{BoxedLinks, EachLaw, Law, TermLaw};
+use crate::physics::kernels::boxed::{BoxedLinks, Law, PerCornerLaw, TermLaw};
 use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, Term};
 use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
@@ -72,7 +72,7 @@ pub(in crate::physics) fn sum_over_links(
                     let (law, constants) = match links.law(number, slot) {
                         TermLaw::Alike(law) => (*law, [&ones; 2]),
                         TermLaw::Each(each) => {
-                            let EachLaw { unit, stiffness, damping } = &**each;
+                            let PerCornerLaw { unit, stiffness, damping } = &**each;
                             (*unit, [stiffness, damping])
                         }
                     };

@@ -33,7 +33,7 @@ pub(super) const STENCIL: [[i32; 3]; 16] = [
 pub(super) static FAMILY: [usize; 16] = [0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2];
 
 /// The index of each step in the stencil, at `dx + 2 + 5 (dy + 2 + 5 (dz + 2))`.
-const PLACE: [usize; 125] = {
+const SLOT_OF_STEP: [usize; 125] = {
     let mut place = [usize::MAX; 125];
     let mut slot = 0;
     while slot < 16 {
@@ -48,17 +48,17 @@ const PLACE: [usize; 125] = {
 
 /// The most places in blocks for each link. Beyond it a walk along the list of links is no slower: one link of a list takes
 /// as long as 4 places with the narrowest vector instructions.
-pub(super) const MOST_PLACES_A_LINK: usize = 4;
+pub(super) const MAX_PLACES_PER_LINK: usize = 4;
 
 /// The most corners of the box for each particle. Beyond it the box takes more memory than the list of links.
-pub(in crate::physics) const MOST_CORNERS_A_PARTICLE: usize = 16;
+pub(in crate::physics) const MAX_CORNERS_PER_PARTICLE: usize = 16;
 
 /// If a plane has a multiple of this many corners, the same place of several planes falls into the same few lines of a
 /// cache: 2 KiB in single precision.
-const LEAST_ALIKE: usize = 512;
+const CACHE_ALIASING_CORNERS: usize = 512;
 
 /// Memory for a corner of the box in single precision, bytes: position, velocity, force and mask.
-pub(in crate::physics) const BYTES_A_CORNER: usize = size_of::<[f32; 9]>() + size_of::<u16>();
+pub(in crate::physics) const BYTES_PER_CORNER: usize = size_of::<[f32; 9]>() + size_of::<u16>();
 
 /// Particles that are consecutive both in the body and in the box.
 #[derive(Clone, Debug)]
@@ -72,7 +72,7 @@ pub(super) struct Run {
 impl Run {
     /// Returns the run's particles and corners, counted from a particle and a corner.
     #[inline(always)]
-    pub(super) fn past(&self, [particle, corner]: [usize; 2]) -> [Range<usize>; 2] {
+    pub(super) fn relative_to(&self, [particle, corner]: [usize; 2]) -> [Range<usize>; 2] {
         let corner = self.corner - corner;
         [self.particles.start - particle..self.particles.end - particle, corner..corner + self.particles.len()]
     }
@@ -120,13 +120,13 @@ impl Layout {
     pub(in crate::physics) fn new(lattice: &Lattice) -> Option<Self> {
         let layout = Self::bounding(lattice)?;
         let [nx, ny, nz] = layout.dims;
-        if nx * ny * nz > MOST_CORNERS_A_PARTICLE * lattice.corners.len() {
+        if nx * ny * nz > MAX_CORNERS_PER_PARTICLE * lattice.corners.len() {
             return None;
         }
         let layout = layout.filled(lattice);
         let places = layout.terms.len() * BLOCK;
         let links: usize = lattice.links.iter().map(Vec::len).sum();
-        (places <= MOST_PLACES_A_LINK * links).then_some(layout)
+        (places <= MAX_PLACES_PER_LINK * links).then_some(layout)
     }
 
     /// Fills the box with the particles and links of a lattice, however empty it is.
@@ -150,7 +150,7 @@ impl Layout {
         });
         let [nx, ny, nz] = [0, 1, 2].map(|axis| (high[axis] - low[axis]) as usize + 1);
         // An empty place at the end of each row keeps planes from falling into the same lines of the caches.
-        let nx = if (nx * ny).is_multiple_of(LEAST_ALIKE) { nx + 1 } else { nx };
+        let nx = if (nx * ny).is_multiple_of(CACHE_ALIASING_CORNERS) { nx + 1 } else { nx };
         let dims = [nx, ny, nz];
         let count = nx * ny * nz;
         let strides = [1, nx, nx * ny];
@@ -186,7 +186,7 @@ impl Layout {
         lattice.links[family].iter().map(|ends| {
             let [from, to] = ends.map(|end| lattice.corners[end as usize]);
             let [dx, dy, dz] = [0, 1, 2].map(|axis| (to[axis] + 2 - from[axis]) as usize);
-            (self.number(from), PLACE[dx + 5 * (dy + 5 * dz)])
+            (self.number(from), SLOT_OF_STEP[dx + 5 * (dy + 5 * dz)])
         })
     }
 
@@ -247,7 +247,7 @@ mod tests {
         for dims in [[63, 63, 2], [31, 15, 2], [15, 31, 2], [9, 9, 9]] {
             let layout = Layout::bounding(&lattice(dims, |_| true)).expect("not empty");
             let plane = layout.offsets[2];
-            assert!(!plane.is_multiple_of(LEAST_ALIKE), "{dims:?}: {plane} corners to the next plane");
+            assert!(!plane.is_multiple_of(CACHE_ALIASING_CORNERS), "{dims:?}: {plane} corners to the next plane");
         }
     }
 

@@ -41,15 +41,15 @@ mod strain;
 mod sweep;
 mod tangent;
 
-pub(in crate::physics) use bounds::{GROUP, are_finite, bounds, bounds_of_ways, motion_bounds};
+pub(in crate::physics) use bounds::{GROUP_SIZE, are_finite, bounds, displacement_bounds, motion_bounds};
 pub(in crate::physics) use boxed::BoxedLinks;
 pub(in crate::physics) use energy::{LinkSum, sum_over_links};
-pub(in crate::physics) use layout::{BYTES_A_CORNER, Layout, MOST_CORNERS_A_PARTICLE};
+pub(in crate::physics) use layout::{BYTES_PER_CORNER, Layout, MAX_CORNERS_PER_PARTICLE};
 pub use level::SimdLevel;
 pub(in crate::physics) use motion::{StageSources, StageTerms, advance, kick, kick_each, next_stage, next_stage_each};
 pub(in crate::physics) use piece::{Piece, pieces};
 pub(in crate::physics) use strain::are_strained;
-pub(in crate::physics) use sweep::{Pass, Start, add_forces};
+pub(in crate::physics) use sweep::{InitialForce, Pass, add_forces};
 pub(in crate::physics) use tangent::{Tangents, tangent_bytes};
 
 #[cfg(test)]

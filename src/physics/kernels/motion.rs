@@ -79,14 +79,14 @@ pub(in crate::physics) struct StageSources<'a, R: Real> {
     pub(in crate::physics) start: &'a [R::Vec3],
 }
 
-/// Goes to the next stage. `gone` holds how far the stage before the last has gone from the state and receives how far the
-/// next one has; `at` receives the next stage itself. Slopes are multiplied by `scale`.
+/// Goes to the next stage. `displacement` holds how far the stage before the last has gone from the state and receives
+/// how far the next one has; `at` receives the next stage itself. Slopes are multiplied by `scale`.
 pub(in crate::physics) fn next_stage<R: Real>(
     level: SimdLevel,
     terms: StageTerms<R>,
     scale: R,
     sources: StageSources<'_, R>,
-    gone: &mut [R::Vec3],
+    displacement: &mut [R::Vec3],
     at: &mut [R::Vec3],
 ) {
     let StageSources { last, slope, first, start } = sources;
@@ -98,7 +98,7 @@ pub(in crate::physics) fn next_stage<R: Real>(
                 terms,
                 scale,
                 [last, slope, first, start],
-                components_mut::<R>(gone),
+                components_mut::<R>(displacement),
                 components_mut::<R>(at),
             );
         },
@@ -111,18 +111,18 @@ fn stage_components<R: Real>(
     terms: StageTerms<R>,
     scale: R,
     [last, slope, first, start]: [&[R]; 4],
-    gone: &mut [R],
+    displacement: &mut [R],
     at: &mut [R],
 ) {
-    let count = gone.len();
+    let count = displacement.len();
     let [last, slope, first, start] = [last, slope, first, start].map(|of| &of[..count]);
     let at = &mut at[..count];
     for i in 0..count {
         let next = last[i] * terms.last
-            + gone[i] * terms.before
+            + displacement[i] * terms.before
             + (slope[i] * scale) * terms.slope
             + (first[i] * scale) * terms.first;
-        gone[i] = next;
+        displacement[i] = next;
         at[i] = start[i] + next;
     }
 }
@@ -133,7 +133,7 @@ pub(in crate::physics) fn next_stage_each<R: Real>(
     terms: StageTerms<R>,
     masses: &[R],
     StageSources { last, slope, first, start }: StageSources<'_, R>,
-    gone: &mut [R::Vec3],
+    displacement: &mut [R::Vec3],
     at: &mut [R::Vec3],
 ) {
     level.run(
@@ -141,11 +141,11 @@ pub(in crate::physics) fn next_stage_each<R: Real>(
         || {
             for (i, mass) in masses.iter().enumerate() {
                 let scale = R::ONE / *mass;
-                gone[i] = last[i] * terms.last
-                    + gone[i] * terms.before
+                displacement[i] = last[i] * terms.last
+                    + displacement[i] * terms.before
                     + (slope[i] * scale) * terms.slope
                     + (first[i] * scale) * terms.first;
-                at[i] = start[i] + gone[i];
+                at[i] = start[i] + displacement[i];
             }
         },
     );
@@ -162,11 +162,14 @@ mod tests {
         terms: StageTerms<f32>,
         masses: &[f32],
         sources: StageSources<'_, f32>,
-        gone: &[glam::Vec3],
+        displacement: &[glam::Vec3],
     ) -> Vec<[glam::Vec3; 2]> {
         let stage = |p: usize| {
             let [slope, first] = [sources.slope[p], sources.first[p]].map(|force| force * (1.0 / masses[p]));
-            let way = sources.last[p] * terms.last + gone[p] * terms.before + slope * terms.slope + first * terms.first;
+            let way = sources.last[p] * terms.last
+                + displacement[p] * terms.before
+                + slope * terms.slope
+                + first * terms.first;
             [way, sources.start[p] + way]
         };
         (0..masses.len()).map(stage).collect()
@@ -178,19 +181,19 @@ mod tests {
         let terms = StageTerms { last: 1.7, before: -0.8, slope: 0.3, first: -0.2 };
         for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
             for count in [0, 1, 5, 16, 67] {
-                let [last, slope, first, start, gone] = [0; 5].map(|_| random(count, &mut rng));
+                let [last, slope, first, start, displacement] = [0; 5].map(|_| random(count, &mut rng));
                 let sources = StageSources { last: &last, slope: &slope, first: &first, start: &start };
                 for is_alike in [true, false] {
                     let mass = |at: usize| if is_alike { 3.0 } else { 1.0 + at as f32 };
                     let masses: Vec<f32> = (0..count).map(mass).collect();
-                    let (mut way, mut at) = (gone.clone(), slope.clone());
+                    let (mut way, mut at) = (displacement.clone(), slope.clone());
                     if is_alike {
                         next_stage(level, terms, 1.0 / 3.0, sources, &mut way, &mut at);
                     } else {
                         next_stage_each(level, terms, &masses, sources, &mut way, &mut at);
                     }
                     let stages: Vec<_> = way.into_iter().zip(at).map(|(way, at)| [way, at]).collect();
-                    let oracle = next_stage_one_by_one(terms, &masses, sources, &gone);
+                    let oracle = next_stage_one_by_one(terms, &masses, sources, &displacement);
                     assert_eq!(stages, oracle, "{count} at {level:?}");
                 }
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{BoxedLinks, Layout, Pass, SimdLevel, Start, Tangents, add_forces, are_strained, pieces};
+use super::{BoxedLinks, InitialForce, Layout, Pass, SimdLevel, Tangents, add_forces, are_strained, pieces};
 use crate::geometry::Lattice;
 use crate::geometry::voxel::Cells;
 use crate::math::rng::Rng;
@@ -145,7 +145,16 @@ fn in_pieces<R: Real>(
             *room = R::from_f64(f64::NAN);
         }
         let own = &mut force[piece.particles.clone()];
-        count += add_forces(links, pass, [position, velocity], Start::Each, own, &mut piece, &|| false, &mut |_, _| ());
+        count += add_forces(
+            links,
+            pass,
+            [position, velocity],
+            InitialForce::Each,
+            own,
+            &mut piece,
+            &|| false,
+            &mut |_, _| (),
+        );
     }
     assert_eq!(from, position.len(), "and come to the end");
     (force, count)
@@ -244,7 +253,16 @@ fn a_piece_without_what_reaches_it_from_before_is_seen() {
     let pass = Pass { level: SimdLevel::best(), families: [true; 3], damped: [true; 3] };
     let of = |half: &mut super::Piece<f32>| {
         let mut force = vec![glam::Vec3::ZERO; half.particles.len()];
-        add_forces(&links, pass, [&motion[0], &motion[1]], Start::Each, &mut force, half, &|| false, &mut |_, _| ());
+        add_forces(
+            &links,
+            pass,
+            [&motion[0], &motion[1]],
+            InitialForce::Each,
+            &mut force,
+            half,
+            &|| false,
+            &mut |_, _| (),
+        );
         force
     };
     assert_eq!(of(&mut half), whole[half.particles.clone()], "the half of the whole");
@@ -356,7 +374,7 @@ fn a_pass_that_is_given_up_looks_at_no_more_links() {
         &links,
         pass,
         [&position, &velocity],
-        Start::Each,
+        InitialForce::Each,
         &mut force,
         &mut whole[0],
         &stops,
@@ -414,7 +432,7 @@ fn boxed_product<R: Real>(
 ) -> (Vec<f64>, Vec<DVec3>) {
     let mut tangents = Tangents::new(std::iter::once(links));
     let (mut diagonal, mut product) = (vec![0.0; of.len()], vec![DVec3::ZERO; of.len()]);
-    tangents.make(links, choice, DT, position, |particle, third| diagonal[particle] += third);
+    tangents.assemble(links, choice, DT, position, |particle, third| diagonal[particle] += third);
     let links = links.in_double();
     let mut rest = &mut product[..];
     for mut piece in pieces(&links, cuts) {

@@ -21,11 +21,11 @@ use crate::physics::kernels::layout::{BLOCK, Layout, Run};
 
 /// Corners of a panel: enough that the overhead of beginning one does not matter, and few enough that their vectors stay in
 /// the caches and that their links take well below a thousandth of a second, as whether to stop is asked before each panel.
-const PANEL: usize = 4096;
+const PANEL_CORNERS: usize = 4096;
 
 /// Room of a window, in multiples of the corners that a panel reaches, for a piece that has more. The larger the window, the
 /// less often the corners that the next panel needs are moved to the front, and the less of it stays in the caches.
-const WINDOW: usize = 3;
+const WINDOW_PANELS: usize = 3;
 
 /// A piece of a body in its box, and the workspace of a sweep over it: positions, velocities and forces component by
 /// component, in a window of its corners that moves along with the panels. Places of corners without a particle may hold
@@ -64,7 +64,7 @@ pub(super) struct Panel {
     /// The particles of the piece whose forces are complete after it, ...
     pub(super) complete: Vec<Run>,
     /// ... and their range among the particles of the piece.
-    pub(super) stretch: Range<usize>,
+    pub(super) complete_range: Range<usize>,
 }
 
 /// Cuts a body after these shares of its work, ascending. There are fewer pieces if it has too few blocks.
@@ -102,7 +102,7 @@ impl<R: Real> Piece<R> {
         let particles = particles_before(layout, own.start)..particles_before(layout, own.end);
         let panels = panels(layout, blocks, &own, &(first..past), particles.start);
         let widest = panels.iter().map(|panel| panel.reached.end - panel.first).max().unwrap_or(0);
-        let places = (past - first).min(WINDOW * widest);
+        let places = (past - first).min(WINDOW_PANELS * widest);
         let room = || [(); 3].map(|()| vec![R::ZERO; places]);
         Self { particles, links, first, own, panels, position: room(), velocity: room(), force: room() }
     }
@@ -122,7 +122,7 @@ fn panels(layout: &Layout, blocks: Range<usize>, own: &Range<usize>, read: &Rang
     let (mut next, mut reached, mut complete) = (blocks.start, read.start, own.start);
     loop {
         let end = layout.blocks[..blocks.end].get(next).map_or(blocks.end, |first| {
-            layout.blocks[..blocks.end].partition_point(|block| block.first < first.first + PANEL)
+            layout.blocks[..blocks.end].partition_point(|block| block.first < first.first + PANEL_CORNERS)
         });
         let is_last = end == blocks.end;
         let reaches = if is_last { read.end } else { layout.blocks[end - 1].first + reach };
@@ -135,7 +135,7 @@ fn panels(layout: &Layout, blocks: Range<usize>, own: &Range<usize>, read: &Rang
             read: runs_within(layout, &(reached..reaches)),
             begun: (begun.clone(), runs_within(layout, &begun)),
             complete: runs_within(layout, &(complete..ends)),
-            stretch: particles_before(layout, complete) - origin..particles_before(layout, ends) - origin,
+            complete_range: particles_before(layout, complete) - origin..particles_before(layout, ends) - origin,
         });
         (next, reached, complete) = (end, reaches, ends);
         if is_last {

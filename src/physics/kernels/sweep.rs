@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::math::{Real, Vector};
 use crate::physics::kernels::block::{self, Mask};
-use crate::physics::kernels::boxed::{BoxedLinks, EachLaw, TermLaw};
+use crate::physics::kernels::boxed::{BoxedLinks, PerCornerLaw, TermLaw};
 use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, Run, Term};
 use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
@@ -23,7 +23,7 @@ pub(in crate::physics) struct Pass {
 
 /// The forces that the particles of a piece start with, N.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::physics) enum Start<R: Real> {
+pub(in crate::physics) enum InitialForce<R: Real> {
     /// The same force for all.
     Alike(R::Vec3),
     /// The forces that are already written.
@@ -39,7 +39,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
     links: &BoxedLinks<R>,
     pass: Pass,
     motion: [&[R::Vec3]; 2],
-    start: Start<R>,
+    start: InitialForce<R>,
     force: &mut [R::Vec3],
     piece: &mut Piece<R>,
     stops: &dyn Fn() -> bool,
@@ -83,7 +83,7 @@ pub(super) struct Window<'a, R> {
 pub(super) fn for_each_panel<R: Real>(
     level: SimdLevel,
     vectors: [Option<&[R::Vec3]>; 2],
-    mut to: Option<(Start<R>, &mut [R::Vec3])>,
+    mut to: Option<(InitialForce<R>, &mut [R::Vec3])>,
     piece: &mut Piece<R>,
     stops: &dyn Fn() -> bool,
     mut work: impl FnMut(Window<'_, R>),
@@ -107,10 +107,10 @@ pub(super) fn for_each_panel<R: Real>(
             #[inline(always)]
             || {
                 if let Some(one) = vectors[0] {
-                    spread(&panel.read, [0, first], one, position);
+                    scatter(&panel.read, [0, first], one, position);
                 }
                 if let Some(other) = vectors[1] {
-                    spread(&panel.read, [0, first], other, velocity);
+                    scatter(&panel.read, [0, first], other, velocity);
                 }
                 if let Some((start, to)) = &to {
                     let (begun, runs) = &panel.begun;
@@ -119,19 +119,19 @@ pub(super) fn for_each_panel<R: Real>(
                         fill(R::Vec3::ZERO, panel.reached.start - first..panel.reached.end - first, boxed);
                     }
                     match start {
-                        Start::Alike(start) => fill(*start, begun.start - first..begun.end - first, boxed),
-                        Start::Each => spread(runs, origin, to, boxed),
+                        InitialForce::Alike(start) => fill(*start, begun.start - first..begun.end - first, boxed),
+                        InitialForce::Each => scatter(runs, origin, to, boxed),
                     }
                 }
                 let vectors = [slices(position), slices(velocity)];
                 work(Window { blocks: panel.blocks.clone(), first, own: own.start, vectors, sum: boxed });
                 if let Some((_, to)) = &mut to {
-                    collect(&panel.complete, origin, boxed, to);
+                    gather(&panel.complete, origin, boxed, to);
                 }
             },
         );
         if let Some((_, to)) = &mut to {
-            done(panel.stretch.clone(), &mut to[panel.stretch.clone()]);
+            done(panel.complete_range.clone(), &mut to[panel.complete_range.clone()]);
         }
     }
 }
@@ -181,7 +181,7 @@ fn sweep<R: Real>(
                     (false, false) => add_forces!(*law, [&zeros; 2], false, true, false),
                 },
                 TermLaw::Each(each) => {
-                    let EachLaw { unit, stiffness, damping } = &**each;
+                    let PerCornerLaw { unit, stiffness, damping } = &**each;
                     if is_damped {
                         add_forces!(*unit, [stiffness, damping], true, false, true);
                     } else {
@@ -191,15 +191,15 @@ fn sweep<R: Real>(
             }
             evaluated += if is_own { count as u64 } else { 0 };
         }
-        add(&sum[0], lanes_mut(force_x, at));
-        add(&sum[1], lanes_mut(force_y, at));
-        add(&sum[2], lanes_mut(force_z, at));
+        add_block(&sum[0], lanes_mut(force_x, at));
+        add_block(&sum[1], lanes_mut(force_y, at));
+        add_block(&sum[2], lanes_mut(force_z, at));
     }
     evaluated
 }
 
 #[inline(always)]
-pub(super) fn add<R: Real>(sum: &[R; BLOCK], to: &mut [R; BLOCK]) {
+pub(super) fn add_block<R: Real>(sum: &[R; BLOCK], to: &mut [R; BLOCK]) {
     for (sum, to) in sum.iter().zip(to) {
         *to += *sum;
     }
@@ -207,9 +207,9 @@ pub(super) fn add<R: Real>(sum: &[R; BLOCK], to: &mut [R; BLOCK]) {
 
 /// Brings vectors of the particles to their corners. `origin` is the particle and the corner that are counted as zero.
 #[inline(always)]
-pub(super) fn spread<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3], [x, y, z]: &mut [Vec<R>; 3]) {
+pub(super) fn scatter<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3], [x, y, z]: &mut [Vec<R>; 3]) {
     for run in runs {
-        let [particles, corners] = run.past(origin);
+        let [particles, corners] = run.relative_to(origin);
         let (x, y, z) = (&mut x[corners.clone()], &mut y[corners.clone()], &mut z[corners]);
         for (((from, x), y), z) in from[particles].iter().zip(x).zip(y).zip(z) {
             [*x, *y, *z] = from.components();
@@ -228,9 +228,9 @@ fn fill<R: Real>(vector: R::Vec3, corners: Range<usize>, [x, y, z]: &mut [Vec<R>
 
 /// Brings the vectors at the corners to the particles.
 #[inline(always)]
-fn collect<R: Real>(runs: &[Run], origin: [usize; 2], [x, y, z]: &[Vec<R>; 3], to: &mut [R::Vec3]) {
+fn gather<R: Real>(runs: &[Run], origin: [usize; 2], [x, y, z]: &[Vec<R>; 3], to: &mut [R::Vec3]) {
     for run in runs {
-        let [particles, corners] = run.past(origin);
+        let [particles, corners] = run.relative_to(origin);
         let (x, y, z) = (&x[corners.clone()], &y[corners.clone()], &z[corners]);
         for (((to, x), y), z) in to[particles].iter_mut().zip(x).zip(y).zip(z) {
             *to = R::Vec3::new(*x, *y, *z);

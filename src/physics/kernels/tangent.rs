@@ -11,11 +11,13 @@ use glam::DVec3;
 
 use crate::math::Real;
 use crate::physics::kernels::block::{Lanes, Mask};
-use crate::physics::kernels::boxed::{BoxedLinks, EachLaw, Law, TermLaw};
-use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, MOST_PLACES_A_LINK, Run, STENCIL, Term};
+use crate::physics::kernels::boxed::{BoxedLinks, Law, PerCornerLaw, TermLaw};
+use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, MAX_PLACES_PER_LINK, Run, STENCIL, Term};
 use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
-use crate::physics::kernels::sweep::{Start, Window, add, for_each_panel, lanes, lanes_mut, lanes_of, slices, spread};
+use crate::physics::kernels::sweep::{
+    InitialForce, Window, add_block, for_each_panel, lanes, lanes_mut, lanes_of, scatter, slices,
+};
 
 /// The blocks of a body's links in its box, and the workspace that they are made in.
 #[derive(Clone, Debug, Default)]
@@ -38,7 +40,7 @@ struct TermBlocks<R> {
 /// Returns the most memory that blocks take in single precision, bytes, for a body with this many links and corners of its
 /// box.
 pub(in crate::physics) fn tangent_bytes(links: usize, corners: usize) -> usize {
-    let places = (STENCIL.len() * corners).min(MOST_PLACES_A_LINK * links);
+    let places = (STENCIL.len() * corners).min(MAX_PLACES_PER_LINK * links);
     places * size_of::<[f32; 4]>() + corners * size_of::<([f32; 3], f64)>()
 }
 
@@ -66,7 +68,7 @@ impl<R: Real> Tangents<R> {
     /// ```
     ///
     /// Calls `diagonal` with each particle and a third of the trace of what the blocks add to its block on the diagonal.
-    pub(in crate::physics) fn make(
+    pub(in crate::physics) fn assemble(
         &mut self,
         links: &BoxedLinks<R>,
         (level, families): (SimdLevel, [bool; 3]),
@@ -82,8 +84,8 @@ impl<R: Real> Tangents<R> {
         level.run(
             #[inline(always)]
             || {
-                spread(&layout.runs, [0; 2], position, places);
-                make_all(links, families, secs, slices(places), blocks, sum);
+                scatter(&layout.runs, [0; 2], position, places);
+                assemble_all(links, families, secs, slices(places), blocks, sum);
             },
         );
         for Run { particles, corner } in &layout.runs {
@@ -107,7 +109,7 @@ impl<R: Real> Tangents<R> {
         for_each_panel(
             level,
             [Some(of), None],
-            Some((Start::Alike(DVec3::ZERO), product)),
+            Some((InitialForce::Alike(DVec3::ZERO), product)),
             piece,
             &|| false,
             #[inline(always)]
@@ -118,7 +120,7 @@ impl<R: Real> Tangents<R> {
 }
 
 #[inline(always)]
-fn make_all<R: Real>(
+fn assemble_all<R: Real>(
     links: &BoxedLinks<R>,
     families: [bool; 3],
     secs: [R; 2],
@@ -143,11 +145,11 @@ fn make_all<R: Real>(
             let (law, constants) = match links.law(number, slot) {
                 TermLaw::Alike(law) => (*law, [&ones; 2]),
                 TermLaw::Each(each) => {
-                    let EachLaw { unit, stiffness, damping } = &**each;
+                    let PerCornerLaw { unit, stiffness, damping } = &**each;
                     (*unit, [stiffness, damping])
                 }
             };
-            make_term(
+            assemble_term(
                 law,
                 constants,
                 secs,
@@ -158,7 +160,7 @@ fn make_all<R: Real>(
                 lanes_mut(diagonal, other),
             );
         }
-        add(&sum, lanes_mut(diagonal, block.first));
+        add_block(&sum, lanes_mut(diagonal, block.first));
     }
 }
 
@@ -166,7 +168,7 @@ fn make_all<R: Real>(
 /// ends and at the others. All links are of `law`, times the `stiffness` and `damping` of their corner.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, clippy::assign_op_pattern, reason = "as of the forces of links")]
-fn make_term<R: Real>(
+fn assemble_term<R: Real>(
     law: Law<R>,
     [stiffness, damping]: [&[R; BLOCK]; 2],
     [squared_secs, secs]: [R; 2],
@@ -226,9 +228,9 @@ fn multiply_all<R: Real>(
                 multiply(&blocks[number], near, far, &mut sum, x, y, z);
             }
         }
-        add(&sum[0], lanes_mut(sum_x, at));
-        add(&sum[1], lanes_mut(sum_y, at));
-        add(&sum[2], lanes_mut(sum_z, at));
+        add_block(&sum[0], lanes_mut(sum_x, at));
+        add_block(&sum[1], lanes_mut(sum_y, at));
+        add_block(&sum[2], lanes_mut(sum_z, at));
     }
 }
 

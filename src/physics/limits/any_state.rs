@@ -54,7 +54,10 @@ pub(in crate::physics) const MAX_PARTS: u32 = 16;
 
 /// Returns the sums of the inverse rest lengths of a particle's links by family, 1/m, once for each different particle of a
 /// lattice.
-pub(in crate::physics) fn crowds<R: Real>(particles: usize, links: &[Arc<[Link<R>]>; 3]) -> Arc<[[f64; 3]]> {
+pub(in crate::physics) fn inverse_length_sums<R: Real>(
+    particles: usize,
+    links: &[Arc<[Link<R>]>; 3],
+) -> Arc<[[f64; 3]]> {
     let mut sums = vec![[0.0; 3]; particles];
     for (family, links) in links.iter().enumerate() {
         for link in &**links {
@@ -78,7 +81,7 @@ fn loads<R: Real>(body: &BodyModel<R>) -> Vec<[f64; 2]> {
         let load = |crowd: &[f64; 3], which: usize| {
             mobility * crowd.iter().zip(&constants).map(|(sum, constants)| sum * constants[which]).sum::<f64>()
         };
-        return body.crowds.iter().map(|crowd| [load(crowd, 0), load(crowd, 1)]).collect();
+        return body.inverse_length_sums.iter().map(|crowd| [load(crowd, 0), load(crowd, 1)]).collect();
     }
     loads_of_each(body)
 }

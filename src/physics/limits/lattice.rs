@@ -20,7 +20,7 @@
 use super::cells::{SIZE, largest_eigenvalue, unit_cell};
 use crate::geometry::Lattice;
 use crate::math::rng::Rng;
-use crate::physics::model::levels::Levels;
+use crate::physics::model::levels::StiffnessLevels;
 
 /// Lanczos steps: ε is then 2 % for some thousand particles, which costs 1 % of a step's length.
 const LANCZOS_STEPS: usize = 60;
@@ -54,7 +54,7 @@ struct Weighted<'a> {
     /// The matrix of one cell by columns; it is symmetric.
     cell: &'a [[f64; SIZE]; SIZE],
     /// The stiffness of the cells relative to a full one.
-    levels: Option<Levels>,
+    levels: Option<StiffnessLevels>,
     /// One over the root of every particle's mass.
     inverse_roots: Vec<f64>,
 }
@@ -69,7 +69,7 @@ impl<'a> Weighted<'a> {
             }
         }
         let inverse_roots = cells.iter().map(|&cells: &f64| (8.0 / cells).sqrt()).collect();
-        Self { lattice, cell, levels: Levels::of(lattice), inverse_roots }
+        Self { lattice, cell, levels: StiffnessLevels::of(lattice), inverse_roots }
     }
 
     fn apply(&self, v: &[[f64; 3]], out: &mut [[f64; 3]]) {

@@ -14,64 +14,70 @@
 use crate::geometry::Lattice;
 
 /// Marks a particle that is not on the outside.
-const NONE: u32 = u32::MAX;
+const NO_POINT: u32 = u32::MAX;
 
 /// Points penetrate a body no deeper than to cells with this many others between them and the outside.
-const DEEPEST: u32 = 1;
+const MAX_CELLS_TO_OUTSIDE: u32 = 1;
 
 /// The outside of a body and the ways there, by local numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::physics) struct Hull {
     /// The particles at which fewer than eight cells meet, ascending.
     pub(in crate::physics) points: Vec<u32>,
-    /// Where the cells around each of them begin in `around`, and where they end.
-    starts: Vec<u32>,
-    around: Vec<u32>,
+    /// Where the cells around each of them begin in `cells_around`, and where they end.
+    around_starts: Vec<u32>,
+    cells_around: Vec<u32>,
     /// The cells about each of the points.
     pub(in crate::physics) surroundings: Vec<Surroundings>,
     /// For every cell, how many cells of the body follow it without a gap towards −x, +x, −y, +y, −z and +z.
-    pub(in crate::physics) ways: Vec<[u32; 6]>,
-    /// Cells that have no more than [`DEEPEST`] others between them and the outside along the shortest way, ascending.
-    pub(in crate::physics) outer: Vec<u32>,
+    pub(in crate::physics) cells_to_outside: Vec<[u32; 6]>,
+    /// Cells that have no more than [`MAX_CELLS_TO_OUTSIDE`] others between them and the outside along the shortest way,
+    /// ascending.
+    pub(in crate::physics) outer_cells: Vec<u32>,
 }
 
 impl Hull {
     /// The hull of a lattice.
     pub(in crate::physics) fn new(lattice: &Lattice) -> Self {
-        let mut met = vec![0_u8; lattice.corners.len()];
+        let mut cell_counts = vec![0_u8; lattice.corners.len()];
         for particle in lattice.cells.iter().flatten() {
-            met[*particle as usize] += 1;
+            cell_counts[*particle as usize] += 1;
         }
-        let points: Vec<u32> = (0..).zip(&met).filter(|(_, met)| **met < 8).map(|(particle, _)| particle).collect();
-        let mut place = vec![NONE; lattice.corners.len()];
-        let mut starts = vec![0_u32];
+        let points: Vec<u32> =
+            (0..).zip(&cell_counts).filter(|(_, count)| **count < 8).map(|(particle, _)| particle).collect();
+        let mut place = vec![NO_POINT; lattice.corners.len()];
+        let mut around_starts = vec![0_u32];
         for (number, point) in (0..).zip(&points) {
             place[*point as usize] = number;
-            starts.push(starts[number as usize] + u32::from(met[*point as usize]));
+            around_starts.push(around_starts[number as usize] + u32::from(cell_counts[*point as usize]));
         }
-        let mut filled = starts.clone();
-        let mut around = vec![0; starts[points.len()] as usize];
+        let mut filled = around_starts.clone();
+        let mut cells_around = vec![0; around_starts[points.len()] as usize];
         for (cell, particles) in (0..).zip(&lattice.cells) {
             for particle in particles {
                 let point = place[*particle as usize];
-                if point != NONE {
-                    around[filled[point as usize] as usize] = cell;
+                if point != NO_POINT {
+                    cells_around[filled[point as usize] as usize] = cell;
                     filled[point as usize] += 1;
                 }
             }
         }
-        let own = |point: usize| &around[starts[point] as usize..starts[point + 1] as usize];
+        let own = |point: usize| &cells_around[around_starts[point] as usize..around_starts[point + 1] as usize];
         let surroundings = points.iter().enumerate();
         let surroundings = surroundings.map(|(place, point)| Surroundings::of(lattice, *point, own(place))).collect();
-        let ways = ways(lattice);
-        let is_outer = |ways: &[u32; 6]| ways.iter().any(|way| *way <= DEEPEST);
-        let outer = (0..).zip(&ways).filter(|(_, ways)| is_outer(ways)).map(|(cell, _)| cell).collect();
-        Self { points, starts, around, surroundings, ways, outer }
+        let cells_to_outside = cells_to_outside(lattice);
+        let is_outer = |cells_to_outside: &[u32; 6]| cells_to_outside.iter().any(|way| *way <= MAX_CELLS_TO_OUTSIDE);
+        let outer_cells = (0..)
+            .zip(&cells_to_outside)
+            .filter(|(_, cells_to_outside)| is_outer(cells_to_outside))
+            .map(|(cell, _)| cell)
+            .collect();
+        Self { points, around_starts, cells_around, surroundings, cells_to_outside, outer_cells }
     }
 
     /// The cells around a point of the outside, by its place in `points`.
-    pub(in crate::physics) fn around(&self, point: usize) -> &[u32] {
-        &self.around[self.starts[point] as usize..self.starts[point + 1] as usize]
+    pub(in crate::physics) fn cells_around(&self, point: usize) -> &[u32] {
+        &self.cells_around[self.around_starts[point] as usize..self.around_starts[point + 1] as usize]
     }
 }
 
@@ -85,9 +91,9 @@ pub(in crate::physics) struct Surroundings {
 
 impl Surroundings {
     /// The surroundings of a particle with these cells around it.
-    fn of(lattice: &Lattice, particle: u32, around: &[u32]) -> Self {
+    fn of(lattice: &Lattice, particle: u32, cells_around: &[u32]) -> Self {
         let corner = lattice.corners[particle as usize];
-        let touching = around.iter().flat_map(|cell| {
+        let touching = cells_around.iter().flat_map(|cell| {
             // The 3 × 3 × 3 cells about one that has the point as a corner begin at 0 or 1 in the block.
             let first: [u32; 3] = std::array::from_fn(|axis| lattice.low(*cell)[axis] + 1 - corner[axis]);
             (0..27).map(move |number| [first[0] + number % 3, first[1] + number / 3 % 3, first[2] + number / 9])
@@ -97,7 +103,7 @@ impl Surroundings {
 
     /// Whether the cell with this lowest corner is one of the cells around the point or touches one.
     #[inline]
-    pub(in crate::physics) fn touch(&self, low: [u32; 3]) -> bool {
+    pub(in crate::physics) fn contains(&self, low: [u32; 3]) -> bool {
         let place: [u32; 3] = std::array::from_fn(|axis| (low[axis] + 2).wrapping_sub(self.corner[axis]));
         place.iter().all(|place| *place < 4) && self.touching >> Self::bit(place) & 1 == 1
     }
@@ -108,12 +114,12 @@ impl Surroundings {
 }
 
 /// For every cell how many cells of the body follow it in each of the six directions.
-fn ways(lattice: &Lattice) -> Vec<[u32; 6]> {
+fn cells_to_outside(lattice: &Lattice) -> Vec<[u32; 6]> {
     let grid = &lattice.grid;
     let cells = lattice.places();
     let low = |cell: usize| lattice.corners[lattice.cells[cell][0] as usize];
-    let mut ways = vec![[0; 6]; lattice.cells.len()];
-    let follow = |ways: &mut Vec<[u32; 6]>, cell: usize, axis: usize, up: bool| {
+    let mut cells_to_outside = vec![[0; 6]; lattice.cells.len()];
+    let follow = |cells_to_outside: &mut Vec<[u32; 6]>, cell: usize, axis: usize, up: bool| {
         let mut next = low(cell);
         let is_last = if up { next[axis] + 1 == grid.dims[axis] } else { next[axis] == 0 };
         if is_last {
@@ -122,15 +128,15 @@ fn ways(lattice: &Lattice) -> Vec<[u32; 6]> {
         next[axis] = if up { next[axis] + 1 } else { next[axis] - 1 };
         if let Some(beyond) = cells.number(grid.index(next)) {
             let way = 2 * axis + usize::from(up);
-            ways[cell][way] = ways[beyond as usize][way] + 1;
+            cells_to_outside[cell][way] = cells_to_outside[beyond as usize][way] + 1;
         }
     };
     // Cells are in the order of the grid: a cell that is lower along an axis comes first.
     for axis in 0..3 {
-        (0..lattice.cells.len()).for_each(|cell| follow(&mut ways, cell, axis, false));
-        (0..lattice.cells.len()).rev().for_each(|cell| follow(&mut ways, cell, axis, true));
+        (0..lattice.cells.len()).for_each(|cell| follow(&mut cells_to_outside, cell, axis, false));
+        (0..lattice.cells.len()).rev().for_each(|cell| follow(&mut cells_to_outside, cell, axis, true));
     }
-    ways
+    cells_to_outside
 }
 
 #[cfg(test)]
@@ -151,9 +157,13 @@ mod tests {
         assert_eq!(hull.points.len(), 64 - 8, "four particles an edge, two of them inside");
         assert_eq!(hull.points.len(), lattice.surface, "as the lattice counts them");
         for (place, point) in hull.points.iter().enumerate() {
-            let around = hull.around(place);
-            assert!(around.iter().all(|cell| lattice.cells[*cell as usize].contains(point)), "its own cells");
-            assert_eq!(around.len(), lattice.cells.iter().filter(|cell| cell.contains(point)).count(), "all of them");
+            let cells_around = hull.cells_around(place);
+            assert!(cells_around.iter().all(|cell| lattice.cells[*cell as usize].contains(point)), "its own cells");
+            assert_eq!(
+                cells_around.len(),
+                lattice.cells.iter().filter(|cell| cell.contains(point)).count(),
+                "all of them"
+            );
         }
     }
 
@@ -170,8 +180,8 @@ mod tests {
         let mut apart = 0;
         for point in 0..hull.points.len() {
             for (cell, _) in (0..).zip(&lattice.cells) {
-                let together = hull.around(point).iter().any(|own| touch(*own, cell));
-                let seen = hull.surroundings[point].touch(lattice.low(cell));
+                let together = hull.cells_around(point).iter().any(|own| touch(*own, cell));
+                let seen = hull.surroundings[point].contains(lattice.low(cell));
                 assert_eq!(seen, together, "point {point}, cell {cell}");
                 apart += usize::from(!together);
             }
@@ -184,9 +194,9 @@ mod tests {
         // A U: two legs of two cells on a base of three.
         let (lattice, hull) = hull(&[[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [2, 1, 0]]);
         let cell = |low: [u32; 3]| lattice.cells.iter().position(|c| lattice.corners[c[0] as usize] == low);
-        let ways = |low| hull.ways[cell(low).expect("a cell of the U")];
-        assert_eq!(ways([0, 0, 0]), [0, 2, 0, 1, 0, 0], "the left foot");
-        assert_eq!(ways([1, 0, 0]), [1, 1, 0, 0, 0, 0], "between the legs it opens upwards");
-        assert_eq!(ways([2, 1, 0]), [0, 0, 1, 0, 0, 0], "the right leg ends towards the gap");
+        let cells_to_outside = |low| hull.cells_to_outside[cell(low).expect("a cell of the U")];
+        assert_eq!(cells_to_outside([0, 0, 0]), [0, 2, 0, 1, 0, 0], "the left foot");
+        assert_eq!(cells_to_outside([1, 0, 0]), [1, 1, 0, 0, 0, 0], "between the legs it opens upwards");
+        assert_eq!(cells_to_outside([2, 1, 0]), [0, 0, 1, 0, 0, 0], "the right leg ends towards the gap");
     }
 }

@@ -34,7 +34,7 @@ impl Inertia {
     }
 
     /// The angular velocity for an angular momentum (kg m²/s), 1/s; both in the body's coordinates.
-    pub(in crate::physics) fn spin(&self, momentum: DVec3) -> DVec3 {
+    pub(in crate::physics) fn angular_velocity(&self, momentum: DVec3) -> DVec3 {
         self.axes * (self.axes.transpose() * momentum / self.moments)
     }
 
@@ -120,7 +120,7 @@ mod tests {
         let about = DVec3::new(rates[3], rates[4], rates[5]) * DVec3::from(inertia.moments.to_array().map(f64::sqrt));
         assert!((inertia.axes * about).distance(at.cross(impulse)) < 1e-14, "{about}");
         // The kinetic energy of a rigid body, and half the squares of the rates.
-        let spin = inertia.spin(at.cross(impulse));
+        let spin = inertia.angular_velocity(at.cross(impulse));
         let energy = 0.5 * (impulse.length_squared() / inertia.mass + spin.dot(at.cross(impulse)));
         assert!(
             (0.5 * rates.iter().map(|rate| rate * rate).sum::<f64>() - energy).abs() < 1e-14 * energy,

@@ -33,7 +33,7 @@ pub(in crate::physics) enum LinkConstants<R> {
 
 impl<R: Real> LinkFamily<R> {
     /// The links themselves, shared.
-    pub(in crate::physics) fn measured(&self) -> Arc<[Link<R>]> {
+    pub(in crate::physics) fn shared_links(&self) -> Arc<[Link<R>]> {
         Arc::clone(&self.links)
     }
 

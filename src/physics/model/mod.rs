@@ -18,7 +18,7 @@ mod skin;
 
 pub(in crate::physics) use samples::{SampledCell, Samples};
 pub use scheme::Scheme;
-pub(in crate::physics) use skin::{Skin, WayThrough};
+pub(in crate::physics) use skin::{MeshPenetration, Skin};
 
 pub(in crate::physics) use cell_kind::CellKind;
 pub(in crate::physics) use composition::{Composition, LatticeConstants};
@@ -73,18 +73,18 @@ impl<R: Real> Model<R> {
     }
 
     /// The most touches of points with obstacles that can be remembered.
-    pub(in crate::physics) fn points_in_contact(&self) -> usize {
-        self.bodies.iter().map(|body| self.points_in_contact_of(body)).sum()
+    pub(in crate::physics) fn max_touches(&self) -> usize {
+        self.bodies.iter().map(|body| self.max_touches_of(body)).sum()
     }
 
     /// The same of one body: every point may touch as many obstacles as meet in a corner.
-    pub(in crate::physics) fn points_in_contact_of(&self, body: &BodyModel<R>) -> usize {
-        const CORNER: usize = 3;
-        body.remembered_points() * self.obstacles.len().min(CORNER)
+    pub(in crate::physics) fn max_touches_of(&self, body: &BodyModel<R>) -> usize {
+        const OBSTACLES_IN_CORNER: usize = 3;
+        body.remembered_point_count() * self.obstacles.len().min(OBSTACLES_IN_CORNER)
     }
 
     /// Whether any obstacle moves by itself.
-    pub(in crate::physics) fn moves_by_itself(&self) -> bool {
+    pub(in crate::physics) fn has_moving_obstacle(&self) -> bool {
         self.obstacles.iter().any(|obstacle| obstacle.motion.is_some())
     }
 
@@ -128,7 +128,7 @@ pub struct BodyModel<R: Real> {
     /// The same links in the box of the body's grid corners; none where it is mostly empty.
     pub(in crate::physics) boxed_links: Option<BoxedLinks<R>>,
     /// The sums of the inverse rest lengths of a particle's links by family, 1/m; each combination that occurs once.
-    pub(in crate::physics) crowds: Arc<[[f64; 3]]>,
+    pub(in crate::physics) inverse_length_sums: Arc<[[f64; 3]]>,
     /// What it was built from: cells and corners, for diagnostics and pictures.
     pub lattice: Arc<Lattice>,
     /// The longest extent at rest, m.
@@ -140,7 +140,7 @@ pub struct BodyModel<R: Real> {
     /// How it meets each obstacle, in the obstacles' order.
     pub contacts: Vec<ContactModel<R>>,
     /// How it meets other bodies and itself.
-    pub(in crate::physics) among_bodies: AmongBodies,
+    pub(in crate::physics) body_contact: BodyContactModel,
     /// Its modes, where it is a modal body.
     pub(in crate::physics) modal: Option<ModalBody>,
     /// Points of its mesh that meet obstacles in place of its particles; none where the particles meet them, or there is no
@@ -150,7 +150,7 @@ pub struct BodyModel<R: Real> {
 
 /// How a body meets others and itself.
 #[derive(Clone, Debug)]
-pub(in crate::physics) struct AmongBodies {
+pub(in crate::physics) struct BodyContactModel {
     pub(in crate::physics) meets_others: bool,
     pub(in crate::physics) meets_itself: bool,
     /// Its hull, made once something comes near.
@@ -160,7 +160,7 @@ pub(in crate::physics) struct AmongBodies {
     /// Mass of its heaviest particle, kg.
     pub(in crate::physics) heaviest: f64,
     /// The part of its weight that one outer particle may have to carry at rest, N.
-    pub(in crate::physics) load: f64,
+    pub(in crate::physics) max_load: f64,
 }
 
 impl<R: Real> BodyModel<R> {
@@ -206,7 +206,7 @@ impl<R: Real> BodyModel<R> {
 
     /// How many points have their touches remembered: points of its mesh that stand for its particles, or those of a free
     /// modal body.
-    pub(in crate::physics) fn remembered_points(&self) -> usize {
+    pub(in crate::physics) fn remembered_point_count(&self) -> usize {
         let free = self.modal.as_ref().filter(|modal| modal.rigid.is_some());
         free.map_or_else(|| self.sample_count(), |modal| modal.points.count())
     }
@@ -226,12 +226,12 @@ impl<R: Real> BodyModel<R> {
 
     /// Whether it is to meet other bodies.
     pub fn meets_others(&self) -> bool {
-        self.among_bodies.meets_others
+        self.body_contact.meets_others
     }
 
     /// Whether it is to meet itself.
     pub(in crate::physics) fn meets_itself(&self) -> bool {
-        self.among_bodies.meets_itself
+        self.body_contact.meets_itself
     }
 
     /// How many points of its mesh meet obstacles in place of its particles.
@@ -247,7 +247,7 @@ impl<R: Real> BodyModel<R> {
 
     /// Its hull, for contact with others and itself.
     pub(in crate::physics) fn hull(&self) -> &Hull {
-        self.among_bodies.hull.get_or_init(|| Hull::new(&self.lattice))
+        self.body_contact.hull.get_or_init(|| Hull::new(&self.lattice))
     }
 
     /// The inverse of a particle's mass (local number), 1/kg.

@@ -21,7 +21,7 @@ use crate::geometry::Lattice;
 use crate::math::Aabb;
 
 /// The most points in a box that is not divided further.
-const LEAF: usize = 8;
+const MAX_LEAF_POINTS: usize = 8;
 
 /// What carries the points.
 #[derive(Clone, Debug)]
@@ -45,17 +45,17 @@ pub(in crate::physics) struct ModalPoints {
     /// The box around all points first, every box before the boxes within it.
     boxes: Vec<PointBox>,
     /// Ranges of displacements by box and mode.
-    ways: Vec<Way>,
+    ranges: Vec<DisplacementRange>,
     /// For each mode the largest displacement of a point for an amplitude of 1, 1/√kg.
-    farthest: Vec<f64>,
+    max_displacements: Vec<f64>,
     modes: usize,
 }
 
 /// The range of the displacements of a box's points for an amplitude of 1, along each axis, 1/√kg.
 #[derive(Clone, Copy, Debug)]
-struct Way {
-    least: [f32; 3],
-    most: [f32; 3],
+struct DisplacementRange {
+    min: [f32; 3],
+    max: [f32; 3],
 }
 
 /// Points that are near each other.
@@ -92,13 +92,13 @@ impl ModalPoints {
             order: Vec::new(),
             places: Vec::new(),
             boxes: Vec::new(),
-            ways: Vec::new(),
-            farthest: vec![0.0; modes.count()],
+            ranges: Vec::new(),
+            max_displacements: vec![0.0; modes.count()],
             modes: modes.count(),
         };
         for point in 0..all {
             let mut at = DVec3::ZERO;
-            points.carried(point, |particle, weight| at += lattice.rest_position(particle) * weight);
+            points.for_each_carrier(point, |particle, weight| at += lattice.rest_position(particle) * weight);
             points.rest.push(at);
         }
         let mut row = vec![DVec3::ZERO; modes.count()];
@@ -113,7 +113,7 @@ impl ModalPoints {
             points.places[*point as usize] = place;
         }
         points.order = order;
-        points.find_ways(modes);
+        points.find_ranges(modes);
         points
     }
 
@@ -123,7 +123,7 @@ impl ModalPoints {
         let number = self.boxes.len();
         let points = first..first + order.len();
         self.boxes.push(PointBox { bounds, points, second: None });
-        if order.len() <= LEAF {
+        if order.len() <= MAX_LEAF_POINTS {
             return;
         }
         let size = bounds.max - bounds.min;
@@ -140,27 +140,27 @@ impl ModalPoints {
     }
 
     /// Finds the ranges of displacements of all boxes.
-    fn find_ways(&mut self, modes: &ModalModel) {
-        let none = Way { least: [f32::INFINITY; 3], most: [f32::NEG_INFINITY; 3] };
-        self.ways = vec![none; self.boxes.len() * self.modes];
+    fn find_ranges(&mut self, modes: &ModalModel) {
+        let none = DisplacementRange { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+        self.ranges = vec![none; self.boxes.len() * self.modes];
         let mut row = vec![DVec3::ZERO; self.modes];
         // Boxes within a box come after it.
         for number in (0..self.boxes.len()).rev() {
-            let mut ways = vec![none; self.modes];
+            let mut ranges = vec![none; self.modes];
             if let Some(second) = self.boxes[number].second {
-                for (mode, way) in ways.iter_mut().enumerate() {
-                    *way = self.ways_of(number + 1)[mode].with(self.ways_of(second)[mode]);
+                for (mode, range) in ranges.iter_mut().enumerate() {
+                    *range = self.ranges_of(number + 1)[mode].joined(self.ranges_of(second)[mode]);
                 }
             } else {
                 for point in self.boxes[number].points.clone() {
                     self.row(modes, self.order[point] as usize, &mut row);
                     for (mode, at) in row.iter().enumerate() {
-                        ways[mode] = ways[mode].with(Way::of(*at));
-                        self.farthest[mode] = self.farthest[mode].max(at.length());
+                        ranges[mode] = ranges[mode].joined(DisplacementRange::of(*at));
+                        self.max_displacements[mode] = self.max_displacements[mode].max(at.length());
                     }
                 }
             }
-            self.ways[number * self.modes..][..self.modes].copy_from_slice(&ways);
+            self.ranges[number * self.modes..][..self.modes].copy_from_slice(&ranges);
         }
     }
 
@@ -183,12 +183,12 @@ impl ModalPoints {
     }
 
     /// The largest displacement of a point for an amplitude of 1 of a mode, 1/√kg.
-    pub(in crate::physics) fn farthest(&self, mode: usize) -> f64 {
-        self.farthest[mode]
+    pub(in crate::physics) fn max_displacement(&self, mode: usize) -> f64 {
+        self.max_displacements[mode]
     }
 
     /// The place of a point in the order of the tree, in which neighbours mostly follow each other.
-    pub(in crate::physics) fn place(&self, point: usize) -> usize {
+    pub(in crate::physics) fn place_in_tree(&self, point: usize) -> usize {
         self.places[point] as usize
     }
 
@@ -200,7 +200,7 @@ impl ModalPoints {
     /// How a point moves by each mode, 1/√kg.
     pub(in crate::physics) fn row(&self, modes: &ModalModel, point: usize, to: &mut [DVec3]) {
         to.fill(DVec3::ZERO);
-        self.carried(point, |particle, weight| {
+        self.for_each_carrier(point, |particle, weight| {
             for (to, way) in to.iter_mut().zip(modes.row(particle)) {
                 *to += DVec3::from(way.map(f64::from)) * weight;
             }
@@ -208,7 +208,7 @@ impl ModalPoints {
     }
 
     /// Calls `with` for every particle that carries a point, with its weight.
-    fn carried(&self, point: usize, mut with: impl FnMut(usize, f64)) {
+    fn for_each_carrier(&self, point: usize, mut with: impl FnMut(usize, f64)) {
         match &self.carriers {
             Carriers::Particles(particles) => with(particles[point] as usize, 1.0),
             Carriers::Samples(samples) => {
@@ -220,30 +220,30 @@ impl ModalPoints {
 
     /// Calls `with` for every point in a box for which `is_near` holds. `is_near` gets the box (m) that holds the points at
     /// both sets of amplitudes. Returns how many boxes were looked at.
-    pub(in crate::physics) fn near(
+    pub(in crate::physics) fn for_each_near(
         &self,
         amplitudes: [&[f64]; 2],
         is_near: impl Fn(Aabb<f64>) -> bool,
         mut with: impl FnMut(usize),
     ) -> u64 {
-        let (mut looks, mut next) = (0, 0);
+        let (mut boxes_tested, mut next) = (0, 0);
         while let Some(at) = self.boxes.get(next) {
-            looks += 1;
-            let [now, then] = amplitudes.map(|of| self.around(next, of));
+            boxes_tested += 1;
+            let [now, then] = amplitudes.map(|of| self.box_bounds(next, of));
             let enters = is_near(Aabb { min: now.min.min(then.min), max: now.max.max(then.max) });
             if enters && at.second.is_none() {
                 self.order[at.points.clone()].iter().for_each(|point| with(*point as usize));
             }
-            next = if enters { next + 1 } else { self.after(next) };
+            next = if enters { next + 1 } else { self.after_subtree(next) };
         }
-        looks
+        boxes_tested
     }
 
     /// The box around the points of a box at these amplitudes, m.
-    fn around(&self, number: usize, amplitudes: &[f64]) -> Aabb<f64> {
+    fn box_bounds(&self, number: usize, amplitudes: &[f64]) -> Aabb<f64> {
         let mut around = self.boxes[number].bounds;
-        for (Way { least, most }, q) in self.ways_of(number).iter().zip(amplitudes) {
-            let [one, other] = [least, most].map(|end| DVec3::from(end.map(f64::from)) * *q);
+        for (DisplacementRange { min, max }, q) in self.ranges_of(number).iter().zip(amplitudes) {
+            let [one, other] = [min, max].map(|end| DVec3::from(end.map(f64::from)) * *q);
             around.min += one.min(other);
             around.max += one.max(other);
         }
@@ -251,31 +251,31 @@ impl ModalPoints {
     }
 
     /// The box that comes after all boxes within this one.
-    fn after(&self, mut number: usize) -> usize {
+    fn after_subtree(&self, mut number: usize) -> usize {
         while let Some(second) = self.boxes[number].second {
             number = second;
         }
         number + 1
     }
 
-    fn ways_of(&self, number: usize) -> &[Way] {
-        &self.ways[number * self.modes..][..self.modes]
+    fn ranges_of(&self, number: usize) -> &[DisplacementRange] {
+        &self.ranges[number * self.modes..][..self.modes]
     }
 }
 
-impl Way {
+impl DisplacementRange {
     /// The range of one displacement, rounded outwards.
     #[expect(clippy::cast_possible_truncation, reason = "it is rounded outwards")]
-    fn of(way: DVec3) -> Self {
-        let single = way.to_array().map(|part| part as f32);
-        Self { least: single.map(f32::next_down), most: single.map(f32::next_up) }
+    fn of(displacement: DVec3) -> Self {
+        let single = displacement.to_array().map(|part| part as f32);
+        Self { min: single.map(f32::next_down), max: single.map(f32::next_up) }
     }
 
     /// The range that holds both.
-    fn with(self, other: Self) -> Self {
+    fn joined(self, other: Self) -> Self {
         Self {
-            least: std::array::from_fn(|axis| self.least[axis].min(other.least[axis])),
-            most: std::array::from_fn(|axis| self.most[axis].max(other.most[axis])),
+            min: std::array::from_fn(|axis| self.min[axis].min(other.min[axis])),
+            max: std::array::from_fn(|axis| self.max[axis].max(other.max[axis])),
         }
     }
 }

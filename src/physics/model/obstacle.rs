@@ -128,13 +128,13 @@ impl<R: Real> PartialEq for MeshModel<R> {
 impl<R: Real> MeshModel<R> {
     /// A point in its own axes and unit.
     #[inline]
-    pub(in crate::physics) fn own(&self, point: R::Vec3) -> DVec3 {
-        self.own_way((point - self.center).to_dvec3())
+    pub(in crate::physics) fn in_local_frame(&self, point: R::Vec3) -> DVec3 {
+        self.displacement_in_local_frame((point - self.center).to_dvec3())
     }
 
     /// A displacement (m) in its own axes and unit.
     #[inline]
-    pub(in crate::physics) fn own_way(&self, way: DVec3) -> DVec3 {
+    pub(in crate::physics) fn displacement_in_local_frame(&self, way: DVec3) -> DVec3 {
         let [x, y, z] = self.axes.map(|axis| way.dot(axis.to_dvec3()));
         DVec3::new(x, y, z) / self.length
     }
@@ -185,7 +185,7 @@ pub enum OrientedForm<R> {
 impl<R: Real> OrientedModel<R> {
     /// Turns a direction from the scene's axes into its own.
     #[inline]
-    pub(in crate::physics) fn own(&self, direction: R::Vec3) -> R::Vec3 {
+    pub(in crate::physics) fn in_local_frame(&self, direction: R::Vec3) -> R::Vec3 {
         let [x, y, z] = self.axes.map(|axis| direction.dot(axis));
         R::Vec3::new(x, y, z)
     }

@@ -141,7 +141,7 @@ pub struct Plan {
     pub(in crate::physics) parts: u32,
     /// A body becomes strained when the strain of a link, stretched or compressed, exceeds the larger of these, and stays so
     /// until all links are below the smaller.
-    pub(in crate::physics) strains: [f64; 2],
+    pub(in crate::physics) strain_thresholds: [f64; 2],
     /// The rates behind the stages of the stabilised scheme; none with other schemes.
     pub stage_rates: Option<StageRates>,
     /// The predicted stability limits of the scheme in the settings, from which the division of its steps follows.

@@ -13,7 +13,7 @@ use crate::geometry::Lattice;
 use crate::geometry::sampling::{SurfaceSample, surface_samples};
 
 /// The least weight of a point inside its cell: zero but for rounding errors.
-const LEAST_WEIGHT: f64 = -1e-3;
+const MIN_WEIGHT: f64 = -1e-3;
 
 /// The points of a body's mesh, by cell. Numbers of particles are local to the body.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,7 +74,7 @@ impl Samples {
     /// Whether a point is inside the cell that carries it, and so between the cell's particles however these move. A point
     /// outside its cell meets no other body.
     pub(in crate::physics) fn is_in_its_cell(&self, number: usize) -> bool {
-        self.weights[number].iter().all(|weight| *weight >= LEAST_WEIGHT)
+        self.weights[number].iter().all(|weight| *weight >= MIN_WEIGHT)
     }
 
     /// The normal of the mesh at a point, of a body at rest; none where the mesh has no inside.

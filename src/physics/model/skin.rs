@@ -10,14 +10,14 @@ use crate::geometry::voxel::patched;
 use crate::geometry::{Lattice, Surface, TriMesh};
 
 /// A ray of this length leads out of any surface, in the surface's unit.
-const BEYOND: f64 = 2.0;
+const RAY_LENGTH: f64 = 2.0;
 
 /// Vertices no further apart than this are merged, in the longest extent of the mesh.
-const SAME: f64 = 1e-9;
+const MERGE_TOLERANCE: f64 = 1e-9;
 
 /// Nearer to the surface than this, in its unit, the surface's normal is taken in place of the direction to its nearest
 /// point.
-const AT_SURFACE: f64 = 1e-9;
+const SURFACE_TOLERANCE: f64 = 1e-9;
 
 /// A closed mesh in the coordinates of its lattice's grid.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub(in crate::physics) struct Skin {
 
 /// A way out of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::physics) struct WayThrough {
+pub(in crate::physics) struct MeshPenetration {
     /// Unit normal at its end, outwards.
     pub(in crate::physics) normal: DVec3,
     /// Its length along the normal, m.
@@ -50,7 +50,7 @@ impl Skin {
     /// The skin of a lattice; none where the lattice was not made from a mesh, or from one that has no inside even with its
     /// small holes closed.
     pub(super) fn of(lattice: &Lattice) -> Option<Self> {
-        let mesh = joined(lattice.mesh.as_ref()?);
+        let mesh = merge_vertices(lattice.mesh.as_ref()?);
         Self::closed(&mesh).or_else(|| Self::closed(&patched(&mesh)?))
     }
 
@@ -61,12 +61,12 @@ impl Skin {
 
     /// The normal of the surface where it is nearest to a point (m).
     pub(super) fn normal(&self, at: DVec3) -> DVec3 {
-        self.surface.nearest(self.own(at)).normal
+        self.surface.nearest(self.in_local_frame(at)).normal
     }
 
     /// The shortest way out for a point (m); none where it is outside.
-    pub(in crate::physics) fn way_out(&self, at: DVec3) -> Option<WayThrough> {
-        let own = self.own(at);
+    pub(in crate::physics) fn penetration(&self, at: DVec3) -> Option<MeshPenetration> {
+        let own = self.in_local_frame(at);
         if self.surface.is_beyond(own, 0.0) {
             return None;
         }
@@ -75,16 +75,18 @@ impl Skin {
             return None;
         }
         let way = nearest.point - own;
-        let normal = if nearest.distance > AT_SURFACE { way * (1.0 / nearest.distance) } else { nearest.normal };
-        Some(WayThrough { normal, depth: nearest.distance * self.length() })
+        let normal = if nearest.distance > SURFACE_TOLERANCE { way * (1.0 / nearest.distance) } else { nearest.normal };
+        Some(MeshPenetration { normal, depth: nearest.distance * self.length() })
     }
 
     /// The way out along a direction of length 1, for a point inside (m).
-    pub(in crate::physics) fn way_along(&self, at: DVec3, along: DVec3) -> Option<WayThrough> {
-        let pierced = self.surface.pierced(self.own(at), along * BEYOND, false)?;
+    pub(in crate::physics) fn penetration_along(&self, at: DVec3, along: DVec3) -> Option<MeshPenetration> {
+        let pierced = self.surface.pierced(self.in_local_frame(at), along * RAY_LENGTH, false)?;
         let leads_out = pierced.normal.dot(along);
-        (leads_out > 0.0)
-            .then(|| WayThrough { normal: pierced.normal, depth: pierced.t * BEYOND * leads_out * self.length() })
+        (leads_out > 0.0).then(|| MeshPenetration {
+            normal: pierced.normal,
+            depth: pierced.t * RAY_LENGTH * leads_out * self.length(),
+        })
     }
 
     /// The least thickness of the mesh, sharp edges not counted, m.
@@ -96,15 +98,15 @@ impl Skin {
         self.surface.own_length()
     }
 
-    fn own(&self, at: DVec3) -> DVec3 {
+    fn in_local_frame(&self, at: DVec3) -> DVec3 {
         (at - self.center) / self.length()
     }
 }
 
 /// Merges vertices that only rounding errors keep apart, as those of a pole that a program computed from the sine of 180°.
-fn joined(mesh: &TriMesh) -> TriMesh {
+fn merge_vertices(mesh: &TriMesh) -> TriMesh {
     let bounds = mesh.bounds();
-    let step = SAME * bounds.size().max_element();
+    let step = MERGE_TOLERANCE * bounds.size().max_element();
     let joined = |at: &DVec3| bounds.min + ((*at - bounds.min) / step).round() * step;
     let positions = if step > 0.0 { mesh.positions.iter().map(joined).collect() } else { mesh.positions.clone() };
     TriMesh { positions, triangles: mesh.triangles.clone() }
@@ -145,14 +147,14 @@ mod tests {
     fn the_way_out_of_a_slab_is_to_its_nearest_side_and_along_a_direction_to_the_one_there() {
         let skin = slab(&[]).expect("it is closed");
         let inside = DVec3::new(1.3, 2.5, 3.5);
-        let out = skin.way_out(inside).expect("it is inside");
+        let out = skin.penetration(inside).expect("it is inside");
         assert!((out.depth - 0.1).abs() < 1e-12 && (out.normal - DVec3::X).length() < 1e-9, "{out:?}");
-        let back = skin.way_along(inside, DVec3::NEG_X).expect("it is inside");
+        let back = skin.penetration_along(inside, DVec3::NEG_X).expect("it is inside");
         assert!((back.depth - 0.3).abs() < 1e-12 && (back.normal + DVec3::X).length() < 1e-9, "{back:?}");
-        let leaning = skin.way_along(inside, DVec3::new(-0.6, 0.0, 0.8)).expect("it is inside");
+        let leaning = skin.penetration_along(inside, DVec3::new(-0.6, 0.0, 0.8)).expect("it is inside");
         assert!((leaning.depth - 0.3).abs() < 1e-12 && (leaning.normal + DVec3::X).length() < 1e-9, "{leaning:?}");
         for outside in [DVec3::new(1.41, 2.5, 3.5), DVec3::new(5.0, 2.5, 3.5), DVec3::new(1.2, 1.99, 3.5)] {
-            assert_eq!(skin.way_out(outside), None, "{outside}");
+            assert_eq!(skin.penetration(outside), None, "{outside}");
         }
         assert!((skin.normal(DVec3::new(1.1, 3.0, 3.5)) - DVec3::Y).length() < 1e-9);
         assert!((skin.thickness() - 0.4).abs() < 0.01, "{} m thick", skin.thickness());

@@ -23,124 +23,124 @@ use crate::physics::model::Inertia;
 use crate::physics::state::RigidState;
 
 /// The number of rigid motions that a free body has beside its modes.
-pub(super) const RIGID: usize = 6;
+pub(super) const RIGID_MOTIONS: usize = 6;
 
 /// The largest turn that is taken at once, radians.
-const MOST_TURN: f64 = 0.02;
+const MAX_TURN_ANGLE: f64 = 0.02;
 
 /// The most turns that a substep is divided into.
-const MOST_TURNS: f64 = 100.0;
+const MAX_TURNS: f64 = 100.0;
 
 /// A free body that is farther out or faster has exploded, m and m/s.
-const FARTHEST: f64 = 1e12;
+const EXPLOSION_LIMIT: f64 = 1e12;
 
 /// A free body from the beginning of a substep to an end.
 #[derive(Clone, Debug)]
 pub(super) struct Flight<'a> {
     pub(super) inertia: &'a Inertia,
     /// Its motion as the substep begins.
-    now: RigidState,
+    start: RigidState,
     /// Its motion as the substep ends.
     pub(super) end: RigidState,
     /// The turn within the substep, about the centre of mass and in the body's coordinates.
     turned: DMat3,
     /// The way of the centre of mass, in the body's coordinates as the substep begins, m.
-    shift: DVec3,
+    center_displacement: DVec3,
     /// How far it turns in all, radians.
     angle: f64,
 }
 
 impl<'a> Flight<'a> {
     /// The flight of a body that nothing pushes.
-    pub(super) fn free(inertia: &'a Inertia, now: RigidState, gravity: DVec3, secs: f64) -> Self {
-        let turn = now.turn * spun(inertia, now.turn.conjugate() * now.momentum, secs);
-        let center = now.center + now.velocity * secs + gravity * (0.5 * secs * secs);
-        let velocity = now.velocity + gravity * secs;
-        Self::to(inertia, now, RigidState { center, turn, velocity, ..now })
+    pub(super) fn free(inertia: &'a Inertia, start: RigidState, gravity: DVec3, secs: f64) -> Self {
+        let turn = start.turn * free_rotation(inertia, start.turn.conjugate() * start.momentum, secs);
+        let center = start.center + start.velocity * secs + gravity * (0.5 * secs * secs);
+        let velocity = start.velocity + gravity * secs;
+        Self::between(inertia, start, RigidState { center, turn, velocity, ..start })
     }
 
-    fn to(inertia: &'a Inertia, now: RigidState, end: RigidState) -> Self {
-        let turned = now.turn.conjugate() * end.turn;
-        let shift = now.turn.conjugate() * (end.center - now.center);
+    fn between(inertia: &'a Inertia, start: RigidState, end: RigidState) -> Self {
+        let turned = start.turn.conjugate() * end.turn;
+        let center_displacement = start.turn.conjugate() * (end.center - start.center);
         let angle = rotation::to_vector(turned).length();
-        Self { inertia, now, end, turned: DMat3::from_quat(turned), shift, angle }
+        Self { inertia, start, end, turned: DMat3::from_quat(turned), center_displacement, angle }
     }
 
     /// The same flight with the rates of the six motions changed by so much (√J) as the substep began.
-    pub(super) fn pushed(&self, [x, y, z, i, j, k]: [f64; RIGID], secs: f64) -> Self {
-        let Self { inertia, now, end, .. } = self;
-        let faster = now.turn * (DVec3::new(x, y, z) / inertia.mass.sqrt());
+    pub(super) fn with_impulses(&self, [x, y, z, i, j, k]: [f64; RIGID_MOTIONS], secs: f64) -> Self {
+        let Self { inertia, start, end, .. } = self;
+        let faster = start.turn * (DVec3::new(x, y, z) / inertia.mass.sqrt());
         let roots = DVec3::from(inertia.moments.to_array().map(f64::sqrt));
         let about = DVec3::new(i, j, k);
         let spin = inertia.axes * (about / roots);
         // Rounding errors change the length of a quaternion that is turned often.
-        let turn = now.turn * rotation::from_vector(spin * secs) * (now.turn.conjugate() * end.turn);
+        let turn = start.turn * rotation::from_vector(spin * secs) * (start.turn.conjugate() * end.turn);
         let turn = turn * (1.0 / turn.length());
         let center = end.center + faster * secs;
         let end = RigidState {
             center,
             turn,
             velocity: end.velocity + faster,
-            momentum: end.momentum + now.turn * (inertia.axes * (about * roots)),
-            mean_velocity: (center - now.center) / secs,
-            mean_spin: rotation::to_vector(turn * now.turn.conjugate()) / secs,
+            momentum: end.momentum + start.turn * (inertia.axes * (about * roots)),
+            mean_velocity: (center - start.center) / secs,
+            mean_spin: rotation::to_vector(turn * start.turn.conjugate()) / secs,
         };
-        Self::to(inertia, *now, end)
+        Self::between(inertia, *start, end)
     }
 
     /// From the body's coordinates as the substep begins to the scene's: the turn, and where their origin is, m.
     pub(super) fn frame(&self) -> (DMat3, DVec3) {
-        let turn = DMat3::from_quat(self.now.turn);
-        (turn, self.now.center - turn * self.inertia.center)
+        let turn = DMat3::from_quat(self.start.turn);
+        (turn, self.start.center - turn * self.inertia.center)
     }
 
     /// Where the centre of mass is in the scene as the substep begins, m.
-    pub(super) fn start(&self) -> DVec3 {
-        self.now.center
+    pub(super) fn start_center(&self) -> DVec3 {
+        self.start.center
     }
 
     /// The way of the centre of mass, in the body's coordinates as the substep begins, m.
-    pub(super) fn shift(&self) -> DVec3 {
-        self.shift
+    pub(super) fn center_displacement(&self) -> DVec3 {
+        self.center_displacement
     }
 
     /// Where a point ends that is at `at` in the body at the end of the substep: in the body's coordinates as the substep
     /// begins, m.
-    pub(super) fn carries(&self, at: DVec3) -> DVec3 {
+    pub(super) fn end_position(&self, at: DVec3) -> DVec3 {
         let center = self.inertia.center;
-        center + self.shift + self.turned * (at - center)
+        center + self.center_displacement + self.turned * (at - center)
     }
 
     /// A bound on how far points in this box are carried, m.
-    pub(super) fn reach(&self, around: Aabb<f64>) -> f64 {
+    pub(super) fn displacement_bound(&self, around: Aabb<f64>) -> f64 {
         let center = self.inertia.center;
         let farthest = (around.min - center).abs().max((around.max - center).abs()).length();
-        self.shift.length() + self.angle * farthest
+        self.center_displacement.length() + self.angle * farthest
     }
 
     /// A bound on the mean speed of any point, vibration left out, m/s.
-    pub(super) fn speed(&self) -> f64 {
+    pub(super) fn speed_bound(&self) -> f64 {
         self.end.mean_velocity.length() + self.end.mean_spin.length() * self.inertia.radius
     }
 
     /// A bound on how much weight and impulses together changed the velocity of any point, m/s.
-    pub(super) fn push(&self) -> f64 {
-        let Self { inertia, now, end, .. } = self;
-        let own = now.turn.conjugate() * (end.momentum - now.momentum);
-        (end.velocity - now.velocity).length() + inertia.spin(own).length() * inertia.radius
+    pub(super) fn velocity_change_bound(&self) -> f64 {
+        let Self { inertia, start, end, .. } = self;
+        let own = start.turn.conjugate() * (end.momentum - start.momentum);
+        (end.velocity - start.velocity).length() + inertia.angular_velocity(own).length() * inertia.radius
     }
 
     /// Whether all numbers are finite and it has not exploded.
     pub(super) fn is_sound(&self) -> bool {
         let RigidState { center, velocity, .. } = &self.end;
-        let is_near = [center, velocity].iter().all(|of| of.abs().max_element() <= FARTHEST);
+        let is_near = [center, velocity].iter().all(|of| of.abs().max_element() <= EXPLOSION_LIMIT);
         is_near && self.end.numbers().iter().all(|number| number.is_finite())
     }
 }
 
 /// The turn of a free body with this angular momentum, both in the body's coordinates.
-fn spun(inertia: &Inertia, momentum: DVec3, secs: f64) -> DQuat {
-    let parts = libm::ceil(inertia.spin(momentum).length() * secs / MOST_TURN).clamp(1.0, MOST_TURNS);
+fn free_rotation(inertia: &Inertia, momentum: DVec3, secs: f64) -> DQuat {
+    let parts = libm::ceil(inertia.angular_velocity(momentum).length() * secs / MAX_TURN_ANGLE).clamp(1.0, MAX_TURNS);
     let secs = secs / parts;
     let mut own = inertia.axes.transpose() * momentum;
     let mut turned = DQuat::IDENTITY;
@@ -179,7 +179,7 @@ mod tests {
     fn followed(mut state: RigidState, secs: f64, substeps: usize) -> RigidState {
         let inertia = brick();
         for _ in 0..substeps {
-            state = Flight::free(&inertia, state, DVec3::ZERO, secs).pushed([0.0; RIGID], secs).end;
+            state = Flight::free(&inertia, state, DVec3::ZERO, secs).with_impulses([0.0; RIGID_MOTIONS], secs).end;
         }
         state
     }
@@ -189,7 +189,7 @@ mod tests {
         let (inertia, gravity) = (brick(), DVec3::new(0.0, -9.81, 0.0));
         let mut state = RigidState { velocity: DVec3::new(1.0, 2.0, 0.0), ..still() };
         for _ in 0..1000 {
-            state = Flight::free(&inertia, state, gravity, 1e-3).pushed([0.0; RIGID], 1e-3).end;
+            state = Flight::free(&inertia, state, gravity, 1e-3).with_impulses([0.0; RIGID_MOTIONS], 1e-3).end;
         }
         assert!(state.center.distance(DVec3::new(1.0, 2.0 - 4.905, 0.0)) < 1e-12, "{}", state.center);
         assert!(state.velocity.distance(DVec3::new(1.0, 2.0 - 9.81, 0.0)) < 1e-12, "{}", state.velocity);
@@ -250,8 +250,12 @@ mod tests {
         let flight = Flight::free(&inertia, spins, DVec3::ZERO, 1e-3);
         let around = Aabb::<f64> { min: DVec3::new(-0.5, 0.1, -0.9), max: DVec3::new(0.4, 0.6, 1.0) };
         let corners = [around.min, around.max, DVec3::new(0.4, 0.1, 1.0), DVec3::new(-0.5, 0.6, 1.0)];
-        let farthest = corners.map(|at| flight.carries(at).distance(at)).into_iter().fold(0.0, f64::max);
-        assert!(farthest > 0.1 && farthest <= flight.reach(around), "{farthest} m, {} m", flight.reach(around));
+        let farthest = corners.map(|at| flight.end_position(at).distance(at)).into_iter().fold(0.0, f64::max);
+        assert!(
+            farthest > 0.1 && farthest <= flight.displacement_bound(around),
+            "{farthest} m, {} m",
+            flight.displacement_bound(around)
+        );
     }
 
     #[test]
@@ -259,10 +263,10 @@ mod tests {
         let inertia = brick();
         let (impulse, secs) = (DVec3::new(0.0, 3.0, 0.0), 1e-6);
         let pushed_at = |at: DVec3| {
-            let mut row = [DVec3::ZERO; RIGID];
+            let mut row = [DVec3::ZERO; RIGID_MOTIONS];
             inertia.row(at, &mut row);
             let flight = Flight::free(&inertia, still(), DVec3::ZERO, secs);
-            flight.pushed(row.map(|way| way.dot(impulse)), secs)
+            flight.with_impulses(row.map(|way| way.dot(impulse)), secs)
         };
         let flight = pushed_at(DVec3::ZERO);
         assert!(flight.end.velocity.distance(impulse / 2.0) < 1e-15 && flight.end.momentum == DVec3::ZERO, "it moves");
@@ -271,9 +275,9 @@ mod tests {
         let flight = pushed_at(at);
         assert!(flight.end.momentum.distance(at.cross(impulse)) < 1e-14, "{}", flight.end.momentum);
         // As fast as its moments let it, where it was pushed.
-        let fast = impulse / 2.0 + inertia.spin(at.cross(impulse)).cross(at);
-        let way = flight.carries(inertia.center + at) - inertia.center - at;
+        let fast = impulse / 2.0 + inertia.angular_velocity(at.cross(impulse)).cross(at);
+        let way = flight.end_position(inertia.center + at) - inertia.center - at;
         assert!(way.distance(fast * secs) < 1e-5 * way.length(), "{way} for {}", fast * secs);
-        assert!((flight.push() - 1.5) > 0.0 && flight.is_sound(), "it is felt");
+        assert!((flight.velocity_change_bound() - 1.5) > 0.0 && flight.is_sound(), "it is felt");
     }
 }

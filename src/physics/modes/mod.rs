@@ -15,8 +15,8 @@
 //! motion       modes and rigid motion together: places and velocities of points, and how impulses there move the body
 //! candidate    contact candidates: points that meet obstacles, alone or as the mean of neighbours
 //! contact      finds the contacts of points with obstacles, and solves each
-//! hold         solves the hand and all contacts together, implicitly
-//! among        the side of modal bodies in contact between bodies
+//! solver       solves the hand and all contacts together, implicitly
+//! body_contact the side of modal bodies in contact between bodies
 //! substep      takes a substep of all modal bodies, one after another
 //! workspace    the buffers
 //! particles    places particles by the modes, and projects their motion onto modes
@@ -79,18 +79,18 @@
 //! Modal bodies move after the particles in each part of a substep, against obstacles where these are in that part. Their
 //! motion follows from the state alone and is computed by one thread: the same bits everywhere.
 
-mod among;
+mod body_contact;
 mod candidate;
 mod contact;
 mod flight;
-mod hold;
 mod motion;
 mod oscillator;
 mod particles;
+mod solver;
 mod substep;
 mod workspace;
 
-pub(in crate::physics) use among::Among;
-pub(in crate::physics) use particles::place;
+pub(in crate::physics) use body_contact::ModalBodiesInContact;
+pub(in crate::physics) use particles::place_particles;
 pub(in crate::physics) use substep::{Inputs, advance};
 pub(in crate::physics) use workspace::ModalWorkspace;

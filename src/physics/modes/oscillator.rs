@@ -11,7 +11,7 @@ pub(super) struct Oscillator {
     force: [f64; 2],
     /// The share of an impulse that is left in the rate at the end of the step, stiffness and damping of the mode taken
     /// implicitly.
-    pub(super) yields: f64,
+    pub(super) mobility: f64,
 }
 
 impl Oscillator {
@@ -41,9 +41,9 @@ impl Oscillator {
             // The first terms of the series, as the differences above would be rounding.
             0.5 * dt * dt * (1.0 - damping * dt / 3.0)
         };
-        let yields = 1.0 / (1.0 + dt * (damping + dt * omega * omega));
+        let mobility = 1.0 / (1.0 + dt * (damping + dt * omega * omega));
         let rate = [-omega * omega * sine, cosine - half * sine];
-        Self { amplitude: [stays, sine], rate, force: [pushed, sine], yields }
+        Self { amplitude: [stays, sine], rate, force: [pushed, sine], mobility }
     }
 
     /// Amplitude and rate after the step, under a force.
@@ -92,8 +92,8 @@ mod tests {
     #[test]
     fn what_is_damped_beyond_measure_stays_finite() {
         for (omega, damping, dt) in [(1e6, 1e12, 10.0), (1e6, 0.0, 10.0), (1e-9, 1e9, 1e3)] {
-            let Oscillator { amplitude, rate, force, yields } = Oscillator::new(omega, damping, dt);
-            let all = [amplitude, rate, force, [yields; 2]];
+            let Oscillator { amplitude, rate, force, mobility } = Oscillator::new(omega, damping, dt);
+            let all = [amplitude, rate, force, [mobility; 2]];
             assert!(all.iter().flatten().all(|x| x.is_finite()), "ω {omega}, c {damping}");
             assert!(amplitude[0].abs() <= 1.0 + 1e-12, "nothing grows: {}", amplitude[0]);
         }

@@ -22,7 +22,7 @@ impl ModalBody {
         let back = self.turn.transpose();
         for (particle, start) in body.start.iter().enumerate() {
             let moved = back * (position[particle].to_dvec3() - start.to_dvec3());
-            self.take_up(body, particle, [moved, back * velocity[particle].to_dvec3()], &mut state);
+            self.project_particle(body, particle, [moved, back * velocity[particle].to_dvec3()], &mut state);
         }
         state.mean_rate.clone_from(&state.rate);
         state
@@ -37,7 +37,7 @@ impl ModalBody {
         let count = body.start.len();
         let masses = || (0..count).map(|particle| body.mass(particle).to_f64() / inertia.mass);
         let rest = |particle: usize| body.lattice.rest_position(particle) - inertia.center;
-        let begin = self.place + self.turn * inertia.center;
+        let begin = self.origin + self.turn * inertia.center;
         // Measured from the start, so that a body at its start is exactly there.
         let moved = |particle: usize| position[particle].to_dvec3() - body.start[particle].to_dvec3();
         let speed = |particle: usize| velocity[particle].to_dvec3();
@@ -52,12 +52,12 @@ impl ModalBody {
         }
         let turn = rotation::nearest(all).unwrap_or(self.turn);
         let back = turn.transpose();
-        let spin = turn * inertia.spin(back * momentum);
+        let spin = turn * inertia.angular_velocity(back * momentum);
         let mut state = ModalState::at_rest(self.modes.count());
         for particle in 0..count {
             let at = from_center(particle);
             let swings = speed(particle) - mean - spin.cross(at);
-            self.take_up(body, particle, [back * at - rest(particle), back * swings], &mut state);
+            self.project_particle(body, particle, [back * at - rest(particle), back * swings], &mut state);
         }
         state.mean_rate.clone_from(&state.rate);
         state.rigid = Some(RigidState {
@@ -73,7 +73,7 @@ impl ModalBody {
 
     /// Adds the part of a particle in the amplitudes and rates, from its displacement and velocity in the body's
     /// coordinates.
-    fn take_up<R: Real>(
+    fn project_particle<R: Real>(
         &self,
         body: &BodyModel<R>,
         particle: usize,
@@ -90,18 +90,23 @@ impl ModalBody {
     }
 
     /// Writes the positions and velocities of a body's particles, among all of a scene, from a state.
-    pub(super) fn put<R: Real>(
+    pub(super) fn write_particles<R: Real>(
         &self,
         body: &BodyModel<R>,
         state: &ModalState,
         [position, velocity]: [&mut [R::Vec3]; 2],
     ) {
         let own = body.particles.clone();
-        self.place(body, state, [&mut position[own.clone()], &mut velocity[own]]);
+        self.write_own_particles(body, state, [&mut position[own.clone()], &mut velocity[own]]);
     }
 
     /// Writes the positions and velocities of the body's particles from a state.
-    fn place<R: Real>(&self, body: &BodyModel<R>, state: &ModalState, [position, velocity]: [&mut [R::Vec3]; 2]) {
+    fn write_own_particles<R: Real>(
+        &self,
+        body: &BodyModel<R>,
+        state: &ModalState,
+        [position, velocity]: [&mut [R::Vec3]; 2],
+    ) {
         #[expect(clippy::cast_possible_truncation, reason = "a picture needs no more than single precision")]
         let single = |of: &[f64]| -> Vec<f32> { of.iter().map(|x| *x as f32).collect() };
         let [amplitude, rate] = [&state.amplitude, &state.mean_rate].map(|of| single(of));
@@ -126,17 +131,17 @@ impl ModalBody {
 }
 
 /// Places the particles of all modal bodies by their modes.
-pub(in crate::physics) fn place<R: Real>(model: &Model<R>, state: &mut State<R>) {
+pub(in crate::physics) fn place_particles<R: Real>(model: &Model<R>, state: &mut State<R>) {
     for (number, body) in model.bodies.iter().enumerate() {
         let Some(modal) = &body.modal else { continue };
-        modal.put(body, &state.modal[number], [&mut state.position, &mut state.velocity]);
+        modal.write_particles(body, &state.modal[number], [&mut state.position, &mut state.velocity]);
         state.position_residual[body.particles.clone()].fill(R::Vec3::ZERO);
     }
 }
 
 /// Whether a modal body has been still for long enough to be left alone.
-pub(super) fn resting(memory: &BodyMemory, long_enough: u64) -> bool {
-    memory.is_modal && memory.still_substeps > long_enough
+pub(super) fn is_resting(memory: &BodyMemory, min_still_substeps: u64) -> bool {
+    memory.is_modal && memory.still_substeps > min_still_substeps
 }
 
 impl<R: Real> State<R> {
@@ -158,14 +163,14 @@ impl<R: Real> State<R> {
                 let own = body.particles.clone();
                 *motion = modal.project(body, [&self.position[own.clone()], &self.velocity[own]]);
                 *memory = BodyMemory { is_modal: true, asleep: true, gone: memory.gone, ..BodyMemory::default() };
-                self.touch_from_the_same_sides(model, number);
+                self.keep_contact_sides(model, number);
             }
         }
     }
 
     /// Makes the points of a free body touch planes and open meshes from the sides from which its particles touched them:
     /// points that lay on the ground lie a little in it, and would be met from below.
-    fn touch_from_the_same_sides(&mut self, model: &Model<R>, number: usize) {
+    fn keep_contact_sides(&mut self, model: &Model<R>, number: usize) {
         let body = &model.bodies[number];
         let Some(points) = body.modal.as_ref().filter(|modal| modal.rigid.is_some()).map(|modal| &modal.points) else {
             return;

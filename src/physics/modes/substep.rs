@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-use super::flight::{Flight, RIGID};
-use super::hold;
-use super::motion::{Ends, Motion};
+use super::flight::{Flight, RIGID_MOTIONS};
+use super::motion::{ModesAtEnd, Motion};
 use super::oscillator::Oscillator;
-use super::particles::resting;
-use super::workspace::{ModalWorkspace, Work};
+use super::particles::is_resting;
+use super::solver;
+use super::workspace::{BodyWorkspace, ModalWorkspace};
 use crate::math::{Real, Vector};
 use crate::physics::contact::Placed;
 use crate::physics::interaction::Grab;
@@ -20,11 +20,11 @@ use crate::physics::state::{ModalState, State, fallen};
 
 /// A body is still that moves no faster than this, and that forces would not make faster within [`STILL_SECS`], body sizes a
 /// second.
-const STILL: f64 = 1e-4;
+const MAX_STILL_SPEED: f64 = 1e-4;
 
 /// A body whose points vibrate farther than so many of its sizes has exploded: single precision has no digits left for its
 /// shape.
-const MOST_SIZES: f64 = 1e6;
+const MAX_VIBRATION_SIZES: f64 = 1e6;
 
 /// What modal bodies did in a substep.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,7 +32,7 @@ pub(in crate::physics) struct ModalReport {
     /// Contacts with obstacles that push.
     pub(in crate::physics) contacts: usize,
     /// The deepest point at the end, m.
-    pub(in crate::physics) deepest_m: f64,
+    pub(in crate::physics) max_depth_m: f64,
     /// Whether all numbers are finite and no body has exploded.
     pub(in crate::physics) is_finite: bool,
 }
@@ -82,15 +82,16 @@ impl<'a, R: Real> Inputs<'a, R> {
         'a: 'b,
     {
         let (body, count) = (&self.model.bodies[number], modal.modes.count());
-        let (turn, place) = flight.map_or((modal.turn, modal.place), Flight::frame);
-        let (now, free) = (&own.amplitude, Ends { amplitude: &free[0][..count], rate: &free[1][..count] });
-        Motion { body, number, modal, oscillators, now, free, flight, turn, place, secs: self.secs }
+        let (turn, origin) = flight.map_or((modal.turn, modal.origin), Flight::frame);
+        let (start_amplitude, free) =
+            (&own.amplitude, ModesAtEnd { amplitude: &free[0][..count], rate: &free[1][..count] });
+        Motion { body, number, modal, oscillators, start_amplitude, free, flight, turn, origin, secs: self.secs }
     }
 }
 
 /// Moves all modal bodies over a substep or a part of it; `is_last` says whether the substep ends with it. Bodies that met
-/// others move by the impulses found then ([`super::among`]). A body that `waits` for another does not come to rest. Where a
-/// number would not be finite or a body has exploded, nothing of that body is changed.
+/// others move by the impulses found then ([`super::body_contact`]). A body that `waits` for another does not come to
+/// rest. Where a number would not be finite or a body has exploded, nothing of that body is changed.
 pub(in crate::physics) fn advance<R: Real>(
     inputs: Inputs<'_, R>,
     is_last: bool,
@@ -101,28 +102,31 @@ pub(in crate::physics) fn advance<R: Real>(
 ) -> ModalReport {
     let mut report = ModalReport { is_finite: true, ..ModalReport::default() };
     let Inputs { model, plan, secs, .. } = inputs;
-    let long_enough = sleep::min_still_substeps(plan);
+    let min_still_substeps = sleep::min_still_substeps(plan);
     for (number, body) in model.bodies.iter().enumerate() {
         let Some(modal) = body.modal.as_ref().filter(|_| inputs.moves(number, state)) else { continue };
         begin(inputs, (number, modal), state, workspace, recorder);
-        let ModalWorkspace { oscillators, works, end, .. } = &mut *workspace;
-        let Work { is_begun, free, change, contacts, hand, pulls, is_met } = &mut works[number];
+        let ModalWorkspace { oscillators, body_workspaces, end, .. } = &mut *workspace;
+        let BodyWorkspace { is_begun, free, change, contacts, hand, hand_pulls, is_changed_by_bodies } =
+            &mut body_workspaces[number];
         *is_begun = false;
         let own = &state.modal[number];
         let flight = inputs.flight(modal, own);
         let motion = inputs.motion((number, modal), own, &oscillators[number], free, flight.as_ref());
         let change = &mut change[..motion.count()];
-        let is_pushed = *pulls || *is_met || !contacts.is_empty();
+        let is_pushed = *hand_pulls || *is_changed_by_bodies || !contacts.is_empty();
         if is_pushed {
             recorder.enter(Stage::Contact);
-            hold::solve(pulls.then_some(hand), contacts, motion.oscillators, secs, change);
-            report.contacts += contacts.pushing();
-            report.deepest_m = report.deepest_m.max(contacts.deepest(secs, change));
+            solver::solve(hand_pulls.then_some(hand), contacts, motion.oscillators, secs, change);
+            report.contacts += contacts.pushing_count();
+            report.max_depth_m = report.max_depth_m.max(contacts.max_depth(secs, change));
             contacts.count_work(recorder);
         }
         recorder.enter(Stage::Integrate);
-        let end = pushed(motion.free, change, secs, end);
-        let flight = flight.as_ref().map(|flight| flight.pushed(*change.last_chunk().unwrap_or(&[0.0; RIGID]), secs));
+        let end = with_impulses(motion.free, change, secs, end);
+        let flight = flight
+            .as_ref()
+            .map(|flight| flight.with_impulses(*change.last_chunk().unwrap_or(&[0.0; RIGID_MOTIONS]), secs));
         if !is_sound(body, modal, end, flight.as_ref()) {
             report.is_finite = false;
             continue;
@@ -132,32 +136,33 @@ pub(in crate::physics) fn advance<R: Real>(
             if is_pushed {
                 let motion = Motion { free: end, flight: Some(flight), ..motion };
                 let touches = touches_of(&state.touches, number);
-                contacts.press(&motion, change);
+                contacts.find_spring_depths(&motion, change);
                 contacts.find_touches(&motion, model, inputs.obstacles, touches, plan, recorder);
                 recorder.enter(Stage::Integrate);
             }
-            remember(contacts.touches(), number, &mut state.touches);
+            replace_touches(contacts.touches(), number, &mut state.touches);
         }
         let waits = waits(state, number);
         let own = &mut state.modal[number];
-        let [speed, push] = take_over(own, modal, end, flight.as_ref(), secs);
+        let [speed, push] = store_end(own, modal, end, flight.as_ref(), secs);
         let memory = &mut state.bodies[number];
-        let is_still = speed.max(push * STILL_SECS) <= STILL * body.size.to_f64() && inputs.grab(number).is_none();
+        let is_still =
+            speed.max(push * STILL_SECS) <= MAX_STILL_SPEED * body.size.to_f64() && inputs.grab(number).is_none();
         let still_substeps = memory.still_substeps + u64::from(is_last);
         memory.still_substeps = match () {
             () if !(is_still && plan.sleeping) => 0,
-            () if waits => still_substeps.min(long_enough),
+            () if waits => still_substeps.min(min_still_substeps),
             () => still_substeps,
         };
-        if resting(memory, long_enough) && !sleep::moves(model, plan, memory) {
+        if is_resting(memory, min_still_substeps) && !sleep::moves(model, plan, memory) {
             own.rest();
             // Others meet it there from now on.
-            modal.put(body, own, [&mut state.position, &mut state.velocity]);
+            modal.write_particles(body, own, [&mut state.position, &mut state.velocity]);
         }
         if let (true, Some(limit), Some(flight)) = (plan.sleeping, model.fall_limit, &flight) {
-            let swings: f64 =
-                own.amplitude.iter().enumerate().map(|(mode, q)| q.abs() * modal.points.farthest(mode)).sum();
-            if fallen::is_ball_past(limit, flight.end.center, flight.inertia.radius + swings) {
+            let vibration: f64 =
+                own.amplitude.iter().enumerate().map(|(mode, q)| q.abs() * modal.points.max_displacement(mode)).sum();
+            if fallen::is_ball_past(limit, flight.end.center, flight.inertia.radius + vibration) {
                 (memory.gone, memory.still_substeps) = (true, 0);
                 own.stop();
             }
@@ -176,26 +181,27 @@ pub(super) fn begin<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     let Inputs { model, plan, obstacles, secs, .. } = inputs;
-    workspace.follow(model, secs);
-    let ModalWorkspace { oscillators, works, .. } = workspace;
+    workspace.set_substep_secs(model, secs);
+    let ModalWorkspace { oscillators, body_workspaces, .. } = workspace;
     let (oscillators, own) = (&oscillators[number], &state.modal[number]);
-    let Work { is_begun, free, change, contacts, hand, pulls, is_met } = &mut works[number];
+    let BodyWorkspace { is_begun, free, change, contacts, hand, hand_pulls, is_changed_by_bodies } =
+        &mut body_workspaces[number];
     if *is_begun {
         return;
     }
     recorder.enter(Stage::Integrate);
     recorder.counters.modal_work += modal.modes.count() as u64;
-    swing(modal, own, model.gravity.to_dvec3(), oscillators, free);
+    advance_modes(modal, own, model.gravity.to_dvec3(), oscillators, free);
     let flight = inputs.flight(modal, own);
     let motion = inputs.motion((number, modal), own, oscillators, free, flight.as_ref());
     change.fill(0.0);
     contacts.find(&motion, model, obstacles, touches_of(&state.touches, number), plan, recorder);
-    *pulls = inputs.grab(number).is_some_and(|grab| hand.take(grab, &motion));
-    (*is_begun, *is_met) = (true, false);
+    *hand_pulls = inputs.grab(number).is_some_and(|grab| hand.attach(grab, &motion));
+    (*is_begun, *is_changed_by_bodies) = (true, false);
 }
 
 /// Finds the modes at the end of a substep without impulses. In a free body weight acts on the rigid motion alone.
-fn swing(
+fn advance_modes(
     modal: &ModalBody,
     own: &ModalState,
     gravity: DVec3,
@@ -210,37 +216,45 @@ fn swing(
 }
 
 /// The modes at the end with impulses.
-fn pushed<'a>(free: Ends<'_>, change: &[f64], secs: f64, [amplitude, rate]: &'a mut [Vec<f64>; 2]) -> Ends<'a> {
+fn with_impulses<'a>(
+    free: ModesAtEnd<'_>,
+    change: &[f64],
+    secs: f64,
+    [amplitude, rate]: &'a mut [Vec<f64>; 2],
+) -> ModesAtEnd<'a> {
     let count = free.rate.len();
     for mode in 0..count {
         amplitude[mode] = free.amplitude[mode] + secs * change[mode];
         rate[mode] = free.rate[mode] + change[mode];
     }
-    Ends { amplitude: &amplitude[..count], rate: &rate[..count] }
+    ModesAtEnd { amplitude: &amplitude[..count], rate: &rate[..count] }
 }
 
 /// Whether all numbers are finite and the body has not exploded.
-fn is_sound<R: Real>(body: &BodyModel<R>, modal: &ModalBody, end: Ends<'_>, flight: Option<&Flight<'_>>) -> bool {
-    let reach: f64 = end.amplitude.iter().enumerate().map(|(mode, q)| q.abs() * modal.points.farthest(mode)).sum();
-    let swings_soundly = reach <= MOST_SIZES * body.size.to_f64() && end.rate.iter().all(|rate| rate.is_finite());
-    swings_soundly && flight.is_none_or(Flight::is_sound)
+fn is_sound<R: Real>(body: &BodyModel<R>, modal: &ModalBody, end: ModesAtEnd<'_>, flight: Option<&Flight<'_>>) -> bool {
+    let vibration: f64 =
+        end.amplitude.iter().enumerate().map(|(mode, q)| q.abs() * modal.points.max_displacement(mode)).sum();
+    let vibrates_soundly =
+        vibration <= MAX_VIBRATION_SIZES * body.size.to_f64() && end.rate.iter().all(|rate| rate.is_finite());
+    vibrates_soundly && flight.is_none_or(Flight::is_sound)
 }
 
 /// Sets a body to the end of a substep. Returns bounds on the mean speed of its points, m/s, and on the change of their
 /// velocity in a second, m/s².
-fn take_over(
+fn store_end(
     own: &mut ModalState,
     modal: &ModalBody,
-    end: Ends<'_>,
+    end: ModesAtEnd<'_>,
     flight: Option<&Flight<'_>>,
     secs: f64,
 ) -> [f64; 2] {
-    let [mut speed, mut push] = flight.map_or([0.0; 2], |flight| [flight.speed(), flight.push() / secs]);
+    let [mut speed, mut push] =
+        flight.map_or([0.0; 2], |flight| [flight.speed_bound(), flight.velocity_change_bound() / secs]);
     for mode in 0..end.rate.len() {
         let (amplitude, rate) = (end.amplitude[mode], end.rate[mode]);
         let mean = (amplitude - own.amplitude[mode]) / secs;
-        push += (rate - own.rate[mode]).abs() * modal.points.farthest(mode) / secs;
-        speed += mean.abs() * modal.points.farthest(mode);
+        push += (rate - own.rate[mode]).abs() * modal.points.max_displacement(mode) / secs;
+        speed += mean.abs() * modal.points.max_displacement(mode);
         (own.amplitude[mode], own.rate[mode], own.mean_rate[mode]) = (amplitude, rate, mean);
     }
     own.rigid = flight.map(|flight| flight.end);
@@ -254,7 +268,7 @@ fn touches_of(touches: &[SampleTouch], body: usize) -> &[SampleTouch] {
 }
 
 /// Replaces the touches of a body.
-fn remember(now: &[SampleTouch], body: usize, touches: &mut Vec<SampleTouch>) {
+fn replace_touches(now: &[SampleTouch], body: usize, touches: &mut Vec<SampleTouch>) {
     if now.is_empty() && touches_of(touches, body).is_empty() {
         return;
     }

@@ -22,7 +22,7 @@ use crate::physics::step::{Ending, Inputs, StepWorkspace, substep};
 use crate::physics::stepping;
 
 /// A share of a substep so small that nothing moves in it.
-const INSTANT: f64 = 1e-6;
+const INSTANT_SHARE: f64 = 1e-6;
 
 /// The state of a simulation in numbers, SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,12 +76,12 @@ impl Energy {
 impl Diagnostics {
     /// Computes the diagnostics of a state.
     pub fn of<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Self {
-        Ahead::of(model, plan, state).diagnostics(0..model.bodies.len())
+        NextSubstep::of(model, plan, state).diagnostics(0..model.bodies.len())
     }
 
     /// Computes those of one body in a state.
     pub fn of_body<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize) -> Self {
-        Ahead::of(model, plan, state).diagnostics(body..body + 1)
+        NextSubstep::of(model, plan, state).diagnostics(body..body + 1)
     }
 
     /// Computes those of every body in a state, for little more than those of one; and the pairs of bodies that push each
@@ -91,9 +91,9 @@ impl Diagnostics {
         plan: &Plan,
         state: &State<R>,
     ) -> (Vec<Self>, Vec<[usize; 2]>) {
-        let ahead = Ahead::of(model, plan, state);
-        let of_each = (0..model.bodies.len()).map(|body| ahead.diagnostics(body..body + 1)).collect();
-        (of_each, if ahead.is_on_time { Vec::new() } else { ahead.met })
+        let next_substep = NextSubstep::of(model, plan, state);
+        let of_each = (0..model.bodies.len()).map(|body| next_substep.diagnostics(body..body + 1)).collect();
+        (of_each, if next_substep.is_velocity_synchronised { Vec::new() } else { next_substep.pushed_pairs })
     }
 
     fn add_links<R: Real>(&mut self, body: &BodyModel<R>, state: &State<R>) {
@@ -112,33 +112,36 @@ impl Diagnostics {
 
 /// A state and the substep after it. Where velocities are half a step behind positions, the velocity on time is the mean of
 /// the present and the next one; contacts are found on the way.
-struct Ahead<'a, R: Real> {
+struct NextSubstep<'a, R: Real> {
     model: &'a Model<R>,
     state: &'a State<R>,
     next: State<R>,
     contacts: Vec<ContactRecord<R>>,
     /// Pairs of bodies that push each other on the way.
-    met: Vec<[usize; 2]>,
+    pushed_pairs: Vec<[usize; 2]>,
     /// Whether the velocities of the state are those at its time.
-    is_on_time: bool,
+    is_velocity_synchronised: bool,
     /// The share of the change of velocity in the substep that is made by the state's time.
     share: f64,
 }
 
-impl<'a, R: Real> Ahead<'a, R> {
+impl<'a, R: Real> NextSubstep<'a, R> {
     fn of(model: &'a Model<R>, plan: &'a Plan, state: &'a State<R>) -> Self {
         // To find the next velocity, the substep, or the part of it that comes next, is taken on a copy.
         let mut next = state.clone();
         // A sleeping body's contacts are found, too.
         next.bodies.iter_mut().for_each(BodyMemory::wake);
-        let is_on_time = schemes::is_velocity_synchronised(plan, state);
+        let is_velocity_synchronised = schemes::is_velocity_synchronised(plan, state);
         let mut workspace;
-        let (way, part) = if is_on_time {
+        let (observed_plan, part) = if is_velocity_synchronised {
             // Only contacts are needed: any scheme finds them, so the cheapest is taken.
             let whole = stepping::whole_substep(plan);
-            let way = Plan { scheme: Scheme::SemiImplicit, halvings: 0, ..plan.clone() };
-            workspace = StepWorkspace::new(model, &way);
-            (Cow::Owned(way), Part { secs: whole.secs * INSTANT, scheme: Scheme::SemiImplicit, ..whole })
+            let observed_plan = Plan { scheme: Scheme::SemiImplicit, halvings: 0, ..plan.clone() };
+            workspace = StepWorkspace::new(model, &observed_plan);
+            (
+                Cow::Owned(observed_plan),
+                Part { secs: whole.secs * INSTANT_SHARE, scheme: Scheme::SemiImplicit, ..whole },
+            )
         } else {
             workspace = StepWorkspace::new(model, plan);
             let part = stepping::first_part(model, plan, &mut next, &mut workspace);
@@ -147,21 +150,25 @@ impl<'a, R: Real> Ahead<'a, R> {
         let obstacles = Placed::now(model, state);
         let inputs = Inputs { obstacles: &obstacles, grab: None, modal_grab: None };
         let timer = &mut ();
-        let ending = substep(model, &way, part, inputs, &mut next, &mut workspace, &mut Recorder::new(timer));
+        let ending = substep(model, &observed_plan, part, inputs, &mut next, &mut workspace, &mut Recorder::new(timer));
         let share = schemes::share_to_center(state, &next);
-        let is_on_time = is_on_time || ending == Ending::Diverged;
-        let (contacts, met) = (workspace.contact.contacts, workspace.contact.bodies.pushed_pairs);
-        Self { model, state, next, contacts, met, is_on_time, share }
+        let is_velocity_synchronised = is_velocity_synchronised || ending == Ending::Diverged;
+        let (contacts, pushed_pairs) = (workspace.contact.contacts, workspace.contact.bodies.pushed_pairs);
+        Self { model, state, next, contacts, pushed_pairs, is_velocity_synchronised, share }
     }
 
     fn centred_velocity(&self, particle: usize, asleep: bool) -> DVec3 {
         let now = self.state.velocity[particle].to_dvec3();
-        if asleep || self.is_on_time { now } else { now + self.share * (self.next.velocity[particle].to_dvec3() - now) }
+        if asleep || self.is_velocity_synchronised {
+            now
+        } else {
+            now + self.share * (self.next.velocity[particle].to_dvec3() - now)
+        }
     }
 
     /// [`Diagnostics::half_step`] of a particle, per kg.
     fn half_step(&self, particle: usize, asleep: bool) -> f64 {
-        if asleep || self.is_on_time {
+        if asleep || self.is_velocity_synchronised {
             return 0.0;
         }
         let change = (self.next.velocity[particle] - self.state.velocity[particle]).to_dvec3();

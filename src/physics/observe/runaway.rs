@@ -6,13 +6,13 @@ use crate::physics::model::Model;
 
 /// A particle that moves by more than this share of its body's size in one step, relative to the body's own motion, has left
 /// all bounds: a sound step moves it by a small part of a link.
-const LONGEST_SHARE: f64 = 0.25;
+const MAX_STEP_SHARE: f64 = 0.25;
 
 /// Whether a body is torn apart by a step of `dt` (s) with these velocities (m/s).
 pub(crate) fn runs_away<R: Real>(model: &Model<R>, level: SimdLevel, dt: R, velocity: &[R::Vec3]) -> bool {
     model.bodies.iter().any(|body| {
         let own = &velocity[body.particles.clone()];
-        let longest = R::from_f64(LONGEST_SHARE) * body.size;
+        let longest = R::from_f64(MAX_STEP_SHARE) * body.size;
         // No velocity is further from their mean than the diagonal of the box around them, which is cheap to find.
         let bounds = bounds::<R>(level, own);
         if (bounds.max - bounds.min).length() * dt <= longest {

@@ -180,7 +180,7 @@ impl<R: Real> Simulation<R> {
             let motion = &mut self.state.modal[body];
             motion.stop();
             if let (Some(rigid), Some(inertia)) = (&mut motion.rigid, &modal.rigid) {
-                rigid.center = modal.place + modal.turn * inertia.center;
+                rigid.center = modal.origin + modal.turn * inertia.center;
                 rigid.turn = DQuat::from_mat3(&turn) * rigid.turn;
             }
             self.state.touches.retain(|touch| touch.body != body);

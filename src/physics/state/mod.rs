@@ -226,7 +226,7 @@ impl<R: Real> State<R> {
         let meeting = model.bodies.iter().filter(|body| body.meets_others() && model.bodies.len() > 1);
         let most: usize = meeting.map(|body| body.lattice.surface).sum();
         self.presses.reserve_exact(most.saturating_sub(self.presses.len()));
-        let touching = model.points_in_contact();
+        let touching = model.max_touches();
         self.touches.reserve_exact(touching.saturating_sub(self.touches.len()));
     }
 
@@ -281,7 +281,7 @@ impl<R: Real> State<R> {
         let is_there = |touch: &SampleTouch| {
             let Some(body) = model.bodies.get(touch.body) else { return false };
             let is_remembered = plan.on_mesh.is_some() || body.inertia().is_some();
-            is_remembered && touch.sample < body.remembered_points() && touch.obstacle < model.obstacles.len()
+            is_remembered && touch.sample < body.remembered_point_count() && touch.obstacle < model.obstacles.len()
         };
         self.touches.retain(is_there);
     }

@@ -54,7 +54,7 @@ impl RigidState {
     /// The kinetic energy of moving and turning, J.
     pub fn energy(&self, inertia: &Inertia) -> f64 {
         let own = self.turn.conjugate() * self.momentum;
-        0.5 * (inertia.mass * self.velocity.length_squared() + own.dot(inertia.spin(own)))
+        0.5 * (inertia.mass * self.velocity.length_squared() + own.dot(inertia.angular_velocity(own)))
     }
 
     /// Stops the motion in place.

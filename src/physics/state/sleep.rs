@@ -64,7 +64,7 @@ pub(in crate::physics) fn moves<R: Real>(model: &Model<R>, plan: &Plan, memory: 
     if !memory.is_modal {
         return !memory.asleep;
     }
-    let rests = || plan.sleeping && !model.moves_by_itself() && memory.still_substeps > min_still_substeps(plan);
+    let rests = || plan.sleeping && !model.has_moving_obstacle() && memory.still_substeps > min_still_substeps(plan);
     !memory.gone && !rests()
 }
 

@@ -96,7 +96,7 @@ fn take_part<R: Real>(
         }
         workspace.contact.report_kept(recorder);
         state.time_secs += part.secs;
-        recorder.took(part.secs, state.bodies.len());
+        recorder.note_part(part.secs, state.bodies.len());
         return Ending::Taken;
     }
     let memory_backup = &mut workspace.memory_backup;
@@ -116,7 +116,7 @@ fn take_part<R: Real>(
         return if recorder.has_stopped() { Ending::Stopped } else { Ending::Refused };
     }
     if !is_sound {
-        recorder.took(part.secs, sleep::asleep_count(state));
+        recorder.note_part(part.secs, sleep::asleep_count(state));
         return Ending::Diverged;
     }
     if has_implicit_contact(plan) {
@@ -134,7 +134,7 @@ fn take_part<R: Real>(
         fallen::put_to_sleep(model, state);
         sleep::put_to_sleep(model, plan, grab.map(|grab| grab.body), &workspace.contact.bodies.pushing_pairs(), state);
     }
-    recorder.took(part.secs, sleep::asleep_count(state));
+    recorder.note_part(part.secs, sleep::asleep_count(state));
     Ending::Taken
 }
 
@@ -319,7 +319,7 @@ fn meet_bodies<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R
     recorder.begin_bodies();
     let Substep { model, plan, state, obstacles, modal_grab: grab, .. } = substep;
     let inputs = modes::Inputs { model, plan, obstacles, grab, secs: substep.dt.to_f64() };
-    let mut modal = modes::Among::begin(inputs, state, modal, recorder);
+    let mut modal = modes::ModalBodiesInContact::begin(inputs, state, modal, recorder);
     contact::bodies::meet(substep, velocity, &mut modal, &mut contact.bodies, recorder);
     recorder.end_bodies();
     recorder.enter(Stage::Integrate);

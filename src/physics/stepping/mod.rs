@@ -55,7 +55,7 @@ pub(super) fn advance<R: Real>(
     while let Some(part) = division.next(plan, state, &mut recorder.counters) {
         obstacles.place(model, state, part.secs);
         let work_before = recorder.counters.implicit_work();
-        workspace.modal.forget();
+        workspace.modal.discard_substep();
         let inputs = Inputs {
             obstacles,
             grab: grab.filter(|grab| !state.bodies[grab.body].asleep),
@@ -111,7 +111,7 @@ fn advance_modal<R: Real>(
     let inputs = modes::Inputs { model, plan, obstacles, grab: modal_grab, secs: part.secs };
     let report = modes::advance(inputs, part.is_last, waits, state, modal, recorder);
     recorder.last.contacts += report.contacts;
-    recorder.note_depth(report.deepest_m.max(recorder.last.max_penetration_m));
+    recorder.note_depth(report.max_depth_m.max(recorder.last.max_penetration_m));
     report.is_finite
 }
 

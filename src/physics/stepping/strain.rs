@@ -153,7 +153,7 @@ pub(in crate::physics) fn would_tear_bodies<R: Real>(
             let max_relative_speed = checks::max_relative_speed_of::<R>(plan, motion.of(body).velocity);
             checks::body_check_interval_secs(body, max_relative_speed) < motion.secs.to_f64()
         };
-        is_due.then_some(plan.strains[1])
+        is_due.then_some(plan.strain_thresholds[1])
     });
     (0..model.bodies.len()).any(|body| forces.is_strained(body))
 }
@@ -185,12 +185,12 @@ pub(in crate::physics) fn check_strain<R: Real>(
     forces.find_strained(model, memories, plan.simd, motion, |body| {
         let memory = &memories[body];
         is_checked(memory).then_some(match memory.strain {
-            Strain::Small => plan.strains[1],
-            Strain::Taut => plan.strains[0],
+            Strain::Small => plan.strain_thresholds[1],
+            Strain::Taut => plan.strain_thresholds[0],
             Strain::Large => STRAIN_THRESHOLDS[0],
         })
     });
-    let may_be_taut = plan.strains[1] < STRAIN_THRESHOLDS[1];
+    let may_be_taut = plan.strain_thresholds[1] < STRAIN_THRESHOLDS[1];
     let above_small = if may_be_taut { Strain::Taut } else { Strain::Large };
     for (number, memory) in memories.iter_mut().enumerate().filter(|(_, memory)| is_checked(memory)) {
         if forces.is_strained(number) {

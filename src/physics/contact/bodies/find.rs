@@ -26,7 +26,7 @@ use super::points::{PairResult, Penetration, PointsWorkspace};
 use super::predicted::PredictedBody;
 use super::surface_points::SurfacePoints;
 use crate::math::{Aabb, Real};
-use crate::physics::model::{BodyModel, Model, Skin, WayThrough};
+use crate::physics::model::{BodyModel, MeshPenetration, Model, Skin};
 
 /// A point outside a cell by no more than this, in cells, counts as inside it, and is looked for in no other.
 const ROUNDING_TOLERANCE: f64 = 1e-9;
@@ -126,7 +126,8 @@ fn penetrations<R: Real>(
             let (normal, depth) = through_skin(skin, cells, candidate, &cell, away.ok_or_else(outward))?;
             (normal, depth, None)
         } else {
-            let sides = sides(&cell, candidate.cell_coordinates, &cells.hull().ways[candidate.cell as usize]);
+            let sides =
+                sides(&cell, candidate.cell_coordinates, &cells.hull().cells_to_outside[candidate.cell as usize]);
             let (normal, depth) = match away {
                 Some(away) => side_along(sides, away),
                 None => nearest_side(sides, outward())?,
@@ -157,16 +158,16 @@ fn through_skin<R: Real>(
 ) -> Option<(DVec3, f64)> {
     let grid = &body.lattice.grid;
     let at_rest = grid.corner(body.lattice.low(candidate.cell)) + candidate.cell_coordinates * grid.cell_size;
-    let shortest = skin.way_out(at_rest)?;
+    let shortest = skin.penetration(at_rest)?;
     let jacobian = cell.jacobian(candidate.cell_coordinates);
     // A way in the body at rest is deformed with the cell, and so are its layers, which are thinner where the cell is.
     let (back, layers) = (jacobian.inverse(), jacobian.inverse().transpose() * grid.cell_size);
-    let carried = |WayThrough { normal, depth }| {
+    let carried = |MeshPenetration { normal, depth }| {
         let across = layers * normal;
         let per_metre = across.length();
         (across * (1.0 / per_metre), depth / per_metre)
     };
-    let along = |way: DVec3| skin.way_along(at_rest, (back * way).try_normalize()?).map(carried);
+    let along = |way: DVec3| skin.penetration_along(at_rest, (back * way).try_normalize()?).map(carried);
     match away {
         Ok(away) => along(away).or_else(|| Some(carried(shortest))),
         Err(outward) => {

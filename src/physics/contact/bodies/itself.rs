@@ -100,13 +100,13 @@ fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspa
     }));
     let mut least = MAX_MEASURED_DISTANCE;
     // A point comes near one of these cells before it comes near one further inside.
-    for number in hull.outer.iter().copied().filter(|cell| hull.ways[*cell as usize].contains(&0)) {
+    for number in hull.outer_cells.iter().copied().filter(|cell| hull.cells_to_outside[*cell as usize].contains(&0)) {
         let cell = Cell(body.lattice.cells[number as usize].map(at));
         let (around, low) = (Aabb::<f64>::around(cell.0), body.lattice.low(number));
         let within = around.grown(least * size);
         for (point, surroundings) in buckets.rows(&within).flat_map(|row| &sorted[row]) {
             // Most points near a cell belong to it, and this test costs the least.
-            if surroundings.touch(low) {
+            if surroundings.contains(low) {
                 continue;
             }
             let boxed = (*point - point.clamp(around.min, around.max)).abs().max_element() / size;

@@ -63,7 +63,7 @@ use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
 use crate::physics::state::press::Press;
 use crate::physics::step::substep::Substep;
-use crate::physics::team::{self, FEWEST_THAT_MEET};
+use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// Changes the predicted velocities of all particles of bodies that meet each other within this substep.
 pub(in crate::physics) fn meet<R: Real>(
@@ -165,7 +165,7 @@ fn find_points<R: Real>(substep: Substep<'_, R>, workspace: &mut BodiesWorkspace
     }
     let stored_positions = plan.broad_phase.then_some(&*stored_positions);
     let search = Search { model, positions: predicted_positions, bodies: predicted_bodies, stored_positions };
-    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (&mut points[..], ()), |these, points, ()| {
+    team::for_body_ranges(plan.threads, MIN_CONTACT_PARTICLES, model, (&mut points[..], ()), |these, points, ()| {
         for (number, points) in these.zip(points) {
             find::find_points(search, number, points);
         }
@@ -230,7 +230,7 @@ fn predict_motion<R: Real>(
         body.is_modal = modal.moves(number);
     }
     let to = (&mut workspace.predicted_bodies[..], &mut workspace.predicted_positions[..]);
-    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, to, |these, bodies, predicted_positions| {
+    team::for_body_ranges(plan.threads, MIN_CONTACT_PARTICLES, model, to, |these, bodies, predicted_positions| {
         let first = model.bodies[these.start].particles.start;
         for (number, of_body) in these.zip(bodies) {
             let body = &model.bodies[number];

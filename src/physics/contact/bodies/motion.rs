@@ -43,7 +43,8 @@ impl<R: Real> Motion<R> {
     /// amplitudes and rates.
     fn of_modal(modal: &ModalBody, state: &ModalState, secs: R) -> Self {
         let rest = modal.bounds;
-        let [swing, speed] = [&state.amplitude, &state.mean_rate].map(|of| modal.swing(of.iter().copied()));
+        let [swing, speed] =
+            [&state.amplitude, &state.mean_rate].map(|of| modal.displacement_bound(of.iter().copied()));
         let half = 0.5 * (rest.max - rest.min) + DVec3::splat(swing);
         let middle = rest.min + 0.5 * (rest.max - rest.min);
         let (turn, at, velocity, speed) = match (&modal.rigid, &state.rigid) {
@@ -53,7 +54,7 @@ impl<R: Real> Motion<R> {
                 let spin = rigid.mean_spin.length() * ((middle - inertia.center).length() + half.length());
                 (turn, at, rigid.mean_velocity, speed + spin)
             }
-            _ => (modal.turn, modal.place + modal.turn * middle, DVec3::ZERO, speed),
+            _ => (modal.turn, modal.origin + modal.turn * middle, DVec3::ZERO, speed),
         };
         let half = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
         let around = |middle: DVec3, half: DVec3| Aabb {

@@ -14,7 +14,7 @@ use crate::physics::model::plan::{BodyContactPlan, Plan};
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
 use crate::physics::state::sleep;
-use crate::physics::team::{self, FEWEST_THAT_MEET};
+use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// In a part of a substep points travel no further, relative to what they may meet, than this share of the smaller cell, or of
 /// the thickness of a mesh that is thinner.
@@ -129,20 +129,26 @@ fn update_self_proximity<R: Real>(
     workspace.points.resize_with(model.bodies.len(), PointsWorkspace::default);
     let (relative_speeds, position) = (&workspace.relative_speeds, &state.position);
     let of_bodies = (&mut state.bodies[..], &mut workspace.points[..]);
-    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (of_bodies, ()), |these, (memories, points), ()| {
-        for ((number, memory), points) in these.zip(memories).zip(points) {
-            let body = &model.bodies[number];
-            if !body.meets_itself() || memory.asleep {
-                continue;
+    team::for_body_ranges(
+        plan.threads,
+        MIN_CONTACT_PARTICLES,
+        model,
+        (of_bodies, ()),
+        |these, (memories, points), ()| {
+            for ((number, memory), points) in these.zip(memories).zip(points) {
+                let body = &model.bodies[number];
+                if !body.meets_itself() || memory.asleep {
+                    continue;
+                }
+                let travel = relative_speeds[number] * secs / body.lattice.grid.cell_size;
+                memory.apart -= travel;
+                if memory.apart.is_nan() || memory.apart <= 0.0 {
+                    let position = &position[body.particles.clone()];
+                    (memory.near_itself, memory.apart) = itself::check(body, position, travel, points);
+                }
             }
-            let travel = relative_speeds[number] * secs / body.lattice.grid.cell_size;
-            memory.apart -= travel;
-            if memory.apart.is_nan() || memory.apart <= 0.0 {
-                let position = &position[body.particles.clone()];
-                (memory.near_itself, memory.apart) = itself::check(body, position, travel, points);
-            }
-        }
-    });
+        },
+    );
 }
 
 /// Wakes the one of two bodies that sleeps where the other moves.

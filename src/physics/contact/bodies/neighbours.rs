@@ -15,7 +15,7 @@ use super::buckets::{Buckets, CandidatePoint};
 use super::cell::INSIDE_TOLERANCE;
 use super::surface_points::SurfacePoints;
 use crate::math::{Aabb, Real};
-use crate::physics::kernels::bounds_of_ways;
+use crate::physics::kernels::displacement_bounds;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::team;
@@ -99,7 +99,7 @@ impl StoredPositions {
         team::by_bodies(plan.threads, model, &mut self.displacement_bounds, |part, displacements| {
             for (body, displacements) in model.bodies[part].iter().zip(displacements) {
                 let [stored, now] = [stored, predicted].map(|of| &of[body.particles.clone()]);
-                *displacements = bounds_of_ways::<f64>(plan.simd, stored, now);
+                *displacements = displacement_bounds::<f64>(plan.simd, stored, now);
             }
         });
     }
@@ -342,7 +342,7 @@ fn outcode(region: &Aabb<f64>, position: DVec3) -> u8 {
 pub(super) fn candidate_cells<R: Real>(body: &BodyModel<R>, is_itself: bool) -> impl Iterator<Item = u32> {
     #[expect(clippy::cast_possible_truncation, reason = "cells are counted in 32 bits")]
     let all = 0..body.lattice.cells.len() as u32;
-    let (all, outer) = if is_itself { (0..0, body.hull().outer.as_slice()) } else { (all, &[][..]) };
+    let (all, outer) = if is_itself { (0..0, body.hull().outer_cells.as_slice()) } else { (all, &[][..]) };
     all.chain(outer.iter().copied())
 }
 

@@ -59,7 +59,7 @@ impl<'a> SurfacePoints<'a> {
     /// Whether the cell with this lowest corner belongs to a point, so that the two do not meet in contact of a body with itself.
     pub(super) fn touch(self, number: u32, low: [u32; 3]) -> bool {
         match self {
-            Self::Particles(hull) => hull.surroundings[number as usize].touch(low),
+            Self::Particles(hull) => hull.surroundings[number as usize].contains(low),
             Self::Mesh(_) => false,
         }
     }
@@ -73,7 +73,7 @@ impl<'a> SurfacePoints<'a> {
         };
         match self {
             Self::Particles(hull) => {
-                let around = hull.around(number as usize).iter();
+                let around = hull.cells_around(number as usize).iter();
                 away(&mut around.flat_map(|cell| body.lattice.cells[*cell as usize]))
             }
             Self::Mesh(samples) => {

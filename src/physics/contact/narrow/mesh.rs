@@ -112,7 +112,7 @@ pub(in crate::physics::contact) fn meet_within<R: Real>(
     margin: R,
     cache: &mut NearestPointCache,
 ) -> Option<Surface<R>> {
-    let (at, own_path) = (mesh.own(from), mesh.own_way(path.to_dvec3()));
+    let (at, own_path) = (mesh.in_local_frame(from), mesh.displacement_in_local_frame(path.to_dvec3()));
     let margin = if mesh.side_row.is_some() { margin.to_f64() / mesh.length } else { 0.0 };
     let reach = own_path.length() + margin;
     // A particle that touches an open mesh may be deeper behind it than it moves.
@@ -200,7 +200,7 @@ fn surface_in_scene<R: Real>(mesh: &MeshModel<R>, normal: DVec3, gap: f64) -> Su
 
 /// Returns the way out and the depth, m, of a point behind the surface; for an open mesh, behind the side of its normals.
 pub(in crate::physics::contact) fn penetration<R: Real>(mesh: &MeshModel<R>, at: R::Vec3) -> Option<(R::Vec3, R)> {
-    let at = mesh.own(at);
+    let at = mesh.in_local_frame(at);
     if mesh.surface.is_beyond(at, 0.0) && mesh.side_row.is_none() {
         return None;
     }
@@ -213,7 +213,7 @@ pub(in crate::physics::contact) fn penetration<R: Real>(mesh: &MeshModel<R>, at:
 
 /// Whether a contact on an open mesh is on the side of its normals.
 pub(in crate::physics::contact) fn is_upper<R: Real>(mesh: &MeshModel<R>, at: R::Vec3, normal: R::Vec3) -> bool {
-    let own = mesh.surface.nearest(mesh.own(at)).normal;
+    let own = mesh.surface.nearest(mesh.in_local_frame(at)).normal;
     mesh.in_scene(own).dot(normal.to_dvec3()) > 0.0
 }
 

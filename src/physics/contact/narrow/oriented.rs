@@ -21,7 +21,7 @@ pub(in crate::physics::contact) fn meet<R: Real>(
     from: R::Vec3,
     path: R::Vec3,
 ) -> Option<Surface<R>> {
-    let (from, path) = (obstacle.own(from - obstacle.center), obstacle.own(path));
+    let (from, path) = (obstacle.in_local_frame(from - obstacle.center), obstacle.in_local_frame(path));
     let nearest = nearest(&obstacle.form, from);
     if nearest.gap <= R::ZERO {
         return Some(Surface { normal: obstacle.in_scene(nearest.normal), ..nearest });

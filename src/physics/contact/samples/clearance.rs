@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::near::grown;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::kernels::{bounds, bounds_of_ways};
+use crate::physics::kernels::{bounds, displacement_bounds};
 use crate::physics::model::{Model, Samples};
 use crate::physics::step::substep::Substep;
 
@@ -58,7 +58,7 @@ impl<R: Real> Clearances<R> {
             .map(|Aabb { min, max }| Aabb { min: min.to_dvec3(), max: max.to_dvec3() });
         let mut displacement = f64::INFINITY;
         if self.positions.len() == position.len() {
-            let of_particles = largest(bounds_of_ways::<R>(plan.simd, &self.positions, position));
+            let of_particles = largest(displacement_bounds::<R>(plan.simd, &self.positions, position));
             displacement = self.obstacle_displacement(obstacles.clone()).max(of_particles);
         }
         if displacement > MAX_DISPLACEMENT * body.lattice.grid.cell_size {

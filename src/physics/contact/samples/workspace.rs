@@ -63,7 +63,7 @@ impl<R: Real> SamplesWorkspace<R> {
         let counts = model.bodies.iter().map(BodyModel::sample_count);
         let first_sample = counts.scan(0, |next, count| Some(std::mem::replace(next, *next + count))).collect();
         let largest = model.bodies.iter().map(BodyModel::sample_count).max().unwrap_or(0);
-        let (pairs, most) = (model.points_in_contact(), model.obstacles.len());
+        let (pairs, most) = (model.max_touches(), model.obstacles.len());
         let of_one = largest * most.min(3);
         Self {
             first_sample,

@@ -30,14 +30,14 @@ pub(super) fn way_out<R: Real>(
     };
     let margin = 8.0 * R::EPSILON.to_f64() * (mesh.length + mesh.center.to_dvec3().abs().max_element());
     let depth = |mesh: &MeshModel<R>, at: R::Vec3| {
-        let at = mesh.own(at);
+        let at = mesh.in_local_frame(at);
         if mesh.surface.holds(at) { mesh.surface.nearest(at).distance * mesh.length } else { 0.0 }
     };
     // A particle may stay as deep as it was in contact before.
     let allowed = |at: R::Vec3| was.map_or(0.0, |was| depth(was, at)) + margin;
     let free = || points.free_points().map(|(_, at)| at);
     let inside = free().filter(|at| depth(mesh, *at) > allowed(*at));
-    let inside: Vec<DVec3> = inside.map(|at| mesh.own(at)).collect();
+    let inside: Vec<DVec3> = inside.map(|at| mesh.in_local_frame(at)).collect();
     let pierced = pierced(points, mesh);
     if inside.is_empty() && pierced.is_empty() {
         return None;
@@ -54,9 +54,9 @@ pub(super) fn way_out<R: Real>(
     let [outwards, facing] = [outwards, facing].map(|own| mesh.in_scene(own));
     let directions =
         [outwards, facing, -facing, up].into_iter().chain(reliable_radial).filter_map(DVec3::try_normalize);
-    let all: Vec<DVec3> = free().map(|at| mesh.own(at)).chain(pierced.iter().map(|(at, _)| *at)).collect();
+    let all: Vec<DVec3> = free().map(|at| mesh.in_local_frame(at)).chain(pierced.iter().map(|(at, _)| *at)).collect();
     let length_m = |direction: DVec3| {
-        let own = mesh.own_way(direction) * mesh.length;
+        let own = mesh.displacement_in_local_frame(direction) * mesh.length;
         let length = if pierced.is_empty() { length_out(mesh, &inside, own) } else { length_past(mesh, &all, own) };
         mesh.length * length + margin
     };
@@ -97,7 +97,7 @@ fn length_past<R: Real>(mesh: &MeshModel<R>, points: &[DVec3], direction: DVec3)
 
 /// Where lines through the body go through the mesh, in the mesh's own axes and unit, with the normals there.
 fn pierced<R: Real>(points: &MeetingPoints<'_, R>, mesh: &MeshModel<R>) -> Vec<(DVec3, DVec3)> {
-    let ends = points.lines().map(|ends| ends.map(|end| mesh.own(end)));
+    let ends = points.lines().map(|ends| ends.map(|end| mesh.in_local_frame(end)));
     let pierced = ends.filter_map(|[a, b]| {
         let direction = b - a;
         if mesh.surface.is_beyond(a, direction.length()) || mesh.surface.holds(a) || mesh.surface.holds(b) {

@@ -34,7 +34,7 @@ pub(super) fn way_out<R: Real>(
     let length_m = |direction: DVec3| {
         let distance_out = |at: DVec3| {
             let form = grown(&solid.form, margin - allowed(at));
-            let crossing = crossing(&form, solid.own(at - solid.center), solid.own(direction));
+            let crossing = crossing(&form, solid.in_local_frame(at - solid.center), solid.in_local_frame(direction));
             crossing.map_or(0.0, |crossing| crossing.leave.max(0.0))
         };
         inside.iter().copied().map(distance_out).fold(0.0, f64::max)
@@ -52,14 +52,15 @@ pub(super) fn way_out<R: Real>(
 
 /// How deep a point is inside, m.
 fn depth(solid: &OrientedModel<f64>, at: DVec3) -> f64 {
-    -nearest(&solid.form, solid.own(at - solid.center)).gap
+    -nearest(&solid.form, solid.in_local_frame(at - solid.center)).gap
 }
 
 /// Points inside an obstacle where lines through the body go right through it: it may be thinner than a cell.
 fn pierced<R: Real>(points: &MeetingPoints<'_, R>, solid: &OrientedModel<f64>) -> Vec<DVec3> {
     let ends = points.lines().map(|ends| ends.map(Vector::to_dvec3));
     let pierced = ends.filter_map(|[a, b]| {
-        let Crossing { enter, leave, .. } = crossing(&solid.form, solid.own(a - solid.center), solid.own(b - a))?;
+        let Crossing { enter, leave, .. } =
+            crossing(&solid.form, solid.in_local_frame(a - solid.center), solid.in_local_frame(b - a))?;
         (enter > 0.0 && leave < 1.0).then(|| a + (b - a) * (0.5 * (enter + leave)))
     });
     pierced.collect()

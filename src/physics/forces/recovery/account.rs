@@ -23,7 +23,7 @@ use crate::math::{Real, Vector};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State};
-use crate::physics::team::{self, FEWEST_THAT_MEET};
+use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// Books what recovery took in a substep of a scheme, of length `dt` (s), before particles move with velocity
 /// `moving_velocity` (m/s).
@@ -36,22 +36,28 @@ pub(in crate::physics) fn track_energy<R: Real>(
 ) {
     let State { position, velocity, bodies, .. } = state;
     let of_bodies = (&mut bodies[..], workspaces);
-    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (of_bodies, ()), |these, (memories, workspaces), ()| {
-        let all = model.bodies[these].iter().zip(memories).zip(workspaces);
-        for ((body, memory), workspace) in all.filter(|((_, memory), _)| memory.is_watched()) {
-            let motion = Motion {
-                position: &position[body.particles.clone()],
-                velocity: &velocity[body.particles.clone()],
-                moving_velocity: &moving_velocity[body.particles.clone()],
-                scheme,
-                dt,
-            };
-            let taken = taken_by_cells(body, memory, motion) + taken_by_soft_links(body, memory, motion, workspace);
-            if taken.is_finite() {
-                memory.account.taken_j += taken;
+    team::for_body_ranges(
+        plan.threads,
+        MIN_CONTACT_PARTICLES,
+        model,
+        (of_bodies, ()),
+        |these, (memories, workspaces), ()| {
+            let all = model.bodies[these].iter().zip(memories).zip(workspaces);
+            for ((body, memory), workspace) in all.filter(|((_, memory), _)| memory.is_watched()) {
+                let motion = Motion {
+                    position: &position[body.particles.clone()],
+                    velocity: &velocity[body.particles.clone()],
+                    moving_velocity: &moving_velocity[body.particles.clone()],
+                    scheme,
+                    dt,
+                };
+                let taken = taken_by_cells(body, memory, motion) + taken_by_soft_links(body, memory, motion, workspace);
+                if taken.is_finite() {
+                    memory.account.taken_j += taken;
+                }
             }
-        }
-    });
+        },
+    );
 }
 
 /// The positions of a body's particles, m, the velocities that brought them there and those that move them on, m/s.

@@ -54,7 +54,7 @@ use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
 use crate::physics::stepping::checks;
-use crate::physics::team::{self, FEWEST_THAT_MEET};
+use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// The bodies whose cells are checked before a substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +91,7 @@ pub(in crate::physics) fn check_cells<R: Real>(
     let cells = checked.filter(|(body, _)| recovers(body)).map(|(body, _)| body.lattice.cells.len() as u64);
     recorder.counters.cells_looked_at += cells.sum::<u64>();
     let (position, velocity) = (&*position, &*velocity);
-    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (&mut bodies[..], ()), |these, memories, ()| {
+    team::for_body_ranges(plan.threads, MIN_CONTACT_PARTICLES, model, (&mut bodies[..], ()), |these, memories, ()| {
         for (body, memory) in model.bodies[these].iter().zip(memories).filter(|(_, memory)| is_due(memory)) {
             let own = [position, velocity].map(|of| &of[body.particles.clone()]);
             check_body(body, plan, own, secs, memory);
@@ -157,14 +157,20 @@ pub(in crate::physics) fn add_forces<R: Real>(
     if cells == 0 {
         return;
     }
-    team::side_by_side(plan.threads, FEWEST_THAT_MEET, model, (workspaces, force), |these, workspaces, force| {
-        let first = model.bodies[these.start].particles.start;
-        for (number, workspace) in these.zip(workspaces) {
-            let own = model.bodies[number].particles.clone();
-            let force = &mut force[own.start - first..own.end - first];
-            push_cells(substep, number, [&position[own.clone()], &velocity[own]], workspace, force);
-        }
-    });
+    team::for_body_ranges(
+        plan.threads,
+        MIN_CONTACT_PARTICLES,
+        model,
+        (workspaces, force),
+        |these, workspaces, force| {
+            let first = model.bodies[these.start].particles.start;
+            for (number, workspace) in these.zip(workspaces) {
+                let own = model.bodies[number].particles.clone();
+                let force = &mut force[own.start - first..own.end - first];
+                push_cells(substep, number, [&position[own.clone()], &velocity[own]], workspace, force);
+            }
+        },
+    );
 }
 
 /// [`add_forces`] for one body, whose particles are at `position` (m) and move with `velocity` (m/s).

@@ -34,7 +34,7 @@ impl<R: Real> System<'_, R> {
         }
         if let Some(links) = &self.body.boxed_links {
             let choice = (self.level, plan.families);
-            tangents.make(links, choice, dt, position, |local, third| diagonal[local] += third);
+            tangents.assemble(links, choice, dt, position, |local, third| diagonal[local] += third);
         } else {
             make_blocks(self.body, plan.families, dt, position, blocks, diagonal, stops);
         }

@@ -34,7 +34,7 @@ use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
 use crate::physics::contact::ContactConstraint;
 use crate::physics::forces::recovery::Resistance;
-use crate::physics::kernels::{MOST_CORNERS_A_PARTICLE, tangent_bytes};
+use crate::physics::kernels::{MAX_CORNERS_PER_PARTICLE, tangent_bytes};
 use crate::physics::report::Recorder;
 use crate::physics::schemes::stepper::Stepper;
 use crate::physics::step::substep::Substep;
@@ -54,7 +54,7 @@ const ROUGH_ROUNDS: usize = 8;
 pub(in crate::physics) fn bytes(bodies: &[LatticeCounts]) -> usize {
     let vectors = 9 * size_of::<DVec3>() + size_of::<f64>();
     let of_surface = size_of::<DMat3>() + size_of::<Resistance>();
-    let corners = |body: &LatticeCounts| body.grid_corners.min(MOST_CORNERS_A_PARTICLE * body.particles);
+    let corners = |body: &LatticeCounts| body.grid_corners.min(MAX_CORNERS_PER_PARTICLE * body.particles);
     let exact = |body: &LatticeCounts| corners(body) * size_of::<[f64; 9]>();
     let equations = |body: &LatticeCounts| {
         let of_links = tangent_bytes(body.all_links(), corners(body));

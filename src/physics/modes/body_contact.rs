@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::contact::damping_ratio;
-use super::hold;
 use super::motion::Motion;
+use super::solver;
 use super::substep::{Inputs, begin};
-use super::workspace::{ModalWorkspace, Work};
+use super::workspace::{BodyWorkspace, ModalWorkspace};
 use crate::math::{Aabb, Real};
 use crate::physics::contact::weighted::ModalBodies;
 use crate::physics::report::Recorder;
@@ -14,13 +14,13 @@ use crate::physics::state::State;
 
 /// The modal bodies of a substep, for contact between bodies.
 #[derive(Debug)]
-pub(in crate::physics) struct Among<'a, R: Real> {
+pub(in crate::physics) struct ModalBodiesInContact<'a, R: Real> {
     inputs: Inputs<'a, R>,
     state: &'a State<R>,
     workspace: &'a mut ModalWorkspace,
 }
 
-impl<'a, R: Real> Among<'a, R> {
+impl<'a, R: Real> ModalBodiesInContact<'a, R> {
     /// Begins a substep of the modal bodies that meet others, with obstacles and a hand.
     pub(in crate::physics) fn begin(
         inputs: Inputs<'a, R>,
@@ -37,11 +37,11 @@ impl<'a, R: Real> Among<'a, R> {
     }
 
     /// Calls `with` with the motion of a body over the substep and room for a row; none where the body has no modes.
-    fn with<T>(&mut self, body: usize, with: impl FnOnce(&Motion<'_, R>, &mut [DVec3]) -> T) -> Option<T> {
+    fn with_motion<T>(&mut self, body: usize, with: impl FnOnce(&Motion<'_, R>, &mut [DVec3]) -> T) -> Option<T> {
         let (modal, own) = (self.inputs.model.bodies[body].modal.as_ref()?, &self.state.modal[body]);
         let flight = self.inputs.flight(modal, own);
-        let ModalWorkspace { oscillators, works, row, .. } = &mut *self.workspace;
-        let free = &works[body].free;
+        let ModalWorkspace { oscillators, body_workspaces, row, .. } = &mut *self.workspace;
+        let free = &body_workspaces[body].free;
         let motion = self.inputs.motion((body, modal), own, &oscillators[body], free, flight.as_ref());
         let count = motion.count();
         Some(with(&motion, &mut row[..count]))
@@ -49,7 +49,7 @@ impl<'a, R: Real> Among<'a, R> {
 }
 
 /// Writes the row of a weighted mean of particles, in the body's coordinates. Returns where it is at rest, m.
-fn mean_of<R: Real>(motion: &Motion<'_, R>, particles: &[(usize, f64)], row: &mut [DVec3]) -> DVec3 {
+fn mean_row<R: Real>(motion: &Motion<'_, R>, particles: &[(usize, f64)], row: &mut [DVec3]) -> DVec3 {
     row.fill(DVec3::ZERO);
     let mut rest = DVec3::ZERO;
     for &(particle, weight) in particles {
@@ -61,57 +61,57 @@ fn mean_of<R: Real>(motion: &Motion<'_, R>, particles: &[(usize, f64)], row: &mu
     rest
 }
 
-impl<R: Real> ModalBodies for Among<'_, R> {
+impl<R: Real> ModalBodies for ModalBodiesInContact<'_, R> {
     fn moves(&self, body: usize) -> bool {
-        self.workspace.works.get(body).is_some_and(|work| work.is_begun)
+        self.workspace.body_workspaces.get(body).is_some_and(|work| work.is_begun)
     }
 
     fn motion_bounds(&mut self, body: usize) -> Aabb<f64> {
-        self.with(body, |motion, _| motion.around()).unwrap_or_else(Aabb::empty)
+        self.with_motion(body, |motion, _| motion.motion_bounds()).unwrap_or_else(Aabb::empty)
     }
 
     fn drift(&mut self, body: usize) -> DVec3 {
-        self.with(body, |motion, _| motion.drift()).unwrap_or_default()
+        self.with_motion(body, |motion, _| motion.drift()).unwrap_or_default()
     }
 
-    fn predict_positions(&mut self, body: usize, region: &Aabb<f64>, [now, ahead]: [&mut [DVec3]; 2]) {
-        self.with(body, |motion, _| motion.look_ahead(region, [now, ahead]));
+    fn predict_positions(&mut self, body: usize, region: &Aabb<f64>, [now, predicted]: [&mut [DVec3]; 2]) {
+        self.with_motion(body, |motion, _| motion.predict_positions(region, [now, predicted]));
     }
 
     fn mobilities(&self, body: usize) -> impl Iterator<Item = f64> {
-        self.workspace.oscillators[body].iter().map(|oscillator| oscillator.yields)
+        self.workspace.oscillators[body].iter().map(|oscillator| oscillator.mobility)
     }
 
     fn weigh(&mut self, body: usize, particles: &[(usize, f64)], rows: &mut Vec<DVec3>) -> DVec3 {
-        let speed = self.with(body, |motion, row| {
-            let rest = mean_of(motion, particles, row);
-            let way = motion.way(rest, row);
+        let speed = self.with_motion(body, |motion, row| {
+            let rest = mean_row(motion, particles, row);
+            let point_motion = motion.point_motion(rest, row);
             rows.extend(row.iter().map(|way| motion.turn * *way));
-            motion.turn * way.path / motion.secs
+            motion.turn * point_motion.displacement / motion.secs
         });
         speed.unwrap_or_default()
     }
 
     fn damping_ratio(&mut self, body: usize) -> f64 {
-        self.with(body, |motion, _| damping_ratio(motion)).unwrap_or(1.0)
+        self.with_motion(body, |motion, _| damping_ratio(motion)).unwrap_or(1.0)
     }
 
     fn solve_round(&mut self, body: usize, change: &mut [f64]) -> f64 {
-        let ModalWorkspace { oscillators, works, secs, .. } = &mut *self.workspace;
-        let Work { contacts, hand, pulls, .. } = &mut works[body];
-        hold::round(pulls.then_some(hand), contacts, &oscillators[body], *secs, change)
+        let ModalWorkspace { oscillators, body_workspaces, secs, .. } = &mut *self.workspace;
+        let BodyWorkspace { contacts, hand, hand_pulls, .. } = &mut body_workspaces[body];
+        solver::solve_round(hand_pulls.then_some(hand), contacts, &oscillators[body], *secs, change)
     }
 
     fn reset(&mut self) {
-        for work in &mut self.workspace.works {
+        for work in &mut self.workspace.body_workspaces {
             work.contacts.reset();
             work.hand.reset();
         }
     }
 
     fn apply_change(&mut self, body: usize, change: &[f64]) {
-        let work = &mut self.workspace.works[body];
+        let work = &mut self.workspace.body_workspaces[body];
         work.change[..change.len()].copy_from_slice(change);
-        work.is_met = true;
+        work.is_changed_by_bodies = true;
     }
 }

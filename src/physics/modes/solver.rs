@@ -4,16 +4,16 @@
 use glam::{DMat3, DVec3};
 
 use super::contact::ModalContacts;
-use super::motion::{Motion, sum};
+use super::motion::{Motion, superpose};
 use super::oscillator::Oscillator;
 use crate::math::{Real, Vector};
 use crate::physics::interaction::{Grab, resistance};
 
 /// The most rounds over the hand and all contacts.
-const ROUNDS: usize = 32;
+const MAX_ROUNDS: usize = 32;
 
 /// Impulses have settled once they change by less than this share of the largest change.
-const SETTLED: f64 = 1e-6;
+const CONVERGENCE_TOLERANCE: f64 = 1e-6;
 
 /// A hand that pulls at a point. In the body's coordinates.
 #[derive(Clone, Debug, Default)]
@@ -24,9 +24,9 @@ pub(super) struct Hand {
     /// The mobility of the point: its change of velocity for an impulse, 1/kg.
     mobility: DMat3,
     /// From the point at the end of the substep without impulses to where it is pulled to, m.
-    left: DVec3,
+    offset_to_target: DVec3,
     /// Its velocity then, m/s; of a free body, the mean velocity.
-    speed: DVec3,
+    velocity: DVec3,
     stiffness: f64,
     damping: f64,
     /// The impulse so far, N·s.
@@ -40,7 +40,7 @@ impl Hand {
     }
 
     /// Takes hold of a point of a body. Returns whether the point can move.
-    pub(super) fn take<R: Real>(&mut self, grab: &Grab<R>, motion: &Motion<'_, R>) -> bool {
+    pub(super) fn attach<R: Real>(&mut self, grab: &Grab<R>, motion: &Motion<'_, R>) -> bool {
         let (modal, body) = (motion.modal, motion.body);
         self.modes = motion.count();
         let row = &mut self.row[..self.modes];
@@ -54,18 +54,18 @@ impl Hand {
                 *to += DVec3::from(way.map(f64::from)) * weight;
             }
         }
-        let way = motion.way(rest, row);
+        let point_motion = motion.point_motion(rest, row);
         self.mobility = DMat3::ZERO;
         for (way, oscillator) in row.iter().zip(motion.oscillators) {
-            self.mobility += DMat3::from_cols(*way * way.x, *way * way.y, *way * way.z) * oscillator.yields;
+            self.mobility += DMat3::from_cols(*way * way.x, *way * way.y, *way * way.z) * oscillator.mobility;
         }
         let target = grab.target.to_dvec3();
-        self.left = if motion.flight.is_some() {
-            motion.turn.transpose() * (target - motion.place) - (way.from + way.path)
+        self.offset_to_target = if motion.flight.is_some() {
+            motion.turn.transpose() * (target - motion.origin) - (point_motion.start + point_motion.displacement)
         } else {
-            modal.turn.transpose() * (target - start) - sum(row, motion.free.amplitude)
+            modal.turn.transpose() * (target - start) - superpose(row, motion.free.amplitude)
         };
-        self.speed = way.speed;
+        self.velocity = point_motion.velocity;
         (self.stiffness, self.damping) = (grab.stiffness.to_f64(), grab.damping(body).to_f64());
         self.impulse = DVec3::ZERO;
         self.mobility != DMat3::ZERO
@@ -82,7 +82,8 @@ impl Hand {
         // Without its own impulse.
         let change = change - self.mobility * self.impulse;
         let resistance = dt * resistance([self.stiffness, self.damping], dt);
-        let pulling = (self.left - change * dt) * (dt * self.stiffness) - (self.speed + change) * (dt * self.damping);
+        let pulling = (self.offset_to_target - change * dt) * (dt * self.stiffness)
+            - (self.velocity + change) * (dt * self.damping);
         let impulse = (DMat3::IDENTITY + self.mobility * resistance).inverse() * pulling;
         let more = impulse - self.impulse;
         self.impulse = impulse;
@@ -100,11 +101,11 @@ pub(super) fn solve(
 ) {
     let mut largest = 0.0_f64;
     // A hand alone is solved in one round.
-    let rounds = if contacts.is_empty() { 1 } else { ROUNDS };
+    let rounds = if contacts.is_empty() { 1 } else { MAX_ROUNDS };
     for _ in 0..rounds {
-        let most = round(hand.as_deref_mut(), contacts, oscillators, dt, change);
-        largest = largest.max(most);
-        if most <= SETTLED * largest {
+        let max_change = solve_round(hand.as_deref_mut(), contacts, oscillators, dt, change);
+        largest = largest.max(max_change);
+        if max_change <= CONVERGENCE_TOLERANCE * largest {
             break;
         }
     }
@@ -112,7 +113,7 @@ pub(super) fn solve(
 
 /// Solves for a hand and all contacts once, one after another, each given the impulses of the others. Returns the largest
 /// change of an impulse, N·s.
-pub(super) fn round(
+pub(super) fn solve_round(
     hand: Option<&mut Hand>,
     contacts: &mut ModalContacts,
     oscillators: &[Oscillator],
@@ -121,23 +122,23 @@ pub(super) fn round(
 ) -> f64 {
     let push = |row: &[DVec3], impulse: DVec3, change: &mut [f64]| {
         for ((change, way), oscillator) in change.iter_mut().zip(row).zip(oscillators) {
-            *change += oscillator.yields * way.dot(impulse);
+            *change += oscillator.mobility * way.dot(impulse);
         }
     };
-    let mut most = 0.0_f64;
+    let mut max_change = 0.0_f64;
     if let Some(hand) = hand {
-        let so_far = sum(&hand.row[..hand.modes], change);
+        let so_far = superpose(&hand.row[..hand.modes], change);
         let impulse = hand.solve(so_far, dt);
         push(&hand.row[..hand.modes], impulse, change);
-        most = impulse.length();
+        max_change = impulse.length();
     }
     for (contact, row) in contacts.each() {
-        let so_far = sum(row, change);
+        let so_far = superpose(row, change);
         let impulse = contact.solve(so_far, dt);
         if impulse != DVec3::ZERO {
             push(row, impulse, change);
-            most = most.max(impulse.length());
+            max_change = max_change.max(impulse.length());
         }
     }
-    most
+    max_change
 }
