@@ -27,7 +27,7 @@ pub(super) struct Clearances<R: Real> {
     obstacles: Vec<Aabb<f64>>,
     /// How far particles and obstacles may move until a point of the cell may meet an obstacle, m, by cell; negative where it may
     /// already.
-    clearances: Vec<f64>,
+    of_cells: Vec<f64>,
 }
 
 impl<R: Real> Clearances<R> {
@@ -38,7 +38,7 @@ impl<R: Real> Clearances<R> {
         Self {
             positions: Vec::with_capacity(body.particles.len()),
             obstacles: Vec::with_capacity(model.obstacles.len()),
-            clearances: Vec::with_capacity(samples.cells.len()),
+            of_cells: Vec::with_capacity(samples.cells.len()),
         }
     }
 
@@ -70,7 +70,7 @@ impl<R: Real> Clearances<R> {
 
     /// Whether the points of a cell meet no obstacle, particles and obstacles having moved that far, m.
     pub(super) fn are_clear(&self, cell: usize, displacement: f64) -> bool {
-        self.clearances[cell] > displacement
+        self.of_cells[cell] > displacement
     }
 
     fn obstacle_displacement(&self, obstacles: impl Iterator<Item = Aabb<f64>>) -> f64 {
@@ -86,8 +86,8 @@ impl<R: Real> Clearances<R> {
         self.positions.extend_from_slice(position);
         self.obstacles.clear();
         self.obstacles.extend(obstacles);
-        self.clearances.clear();
-        self.clearances.extend(samples.cells.iter().map(|cell| {
+        self.of_cells.clear();
+        self.of_cells.extend(samples.cells.iter().map(|cell| {
             let around =
                 Aabb::<f64>::around(cell.carriers.iter().map(|carrier| self.positions[*carrier as usize].to_dvec3()));
             // Grown twice for rounding error: boxes of motions are worked out in the precision of the simulation.
