@@ -55,20 +55,20 @@
 //!
 //! | module | names | its job |
 //! |---|---|---|
-//! | [`math`] | – | scalars, boxes, rotations, colours as light, pictures as texels, seeded random numbers, how long a frame is |
-//! | [`text`] | – | texts of strangers, fit for a message; how many there are of something |
-//! | [`disk`] | text | files read and written whole |
-//! | [`machine`] | – | what memory there is, threads that are awake when there is work |
-//! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells; which cells are of which part that the file names; the colours and pictures on its surface |
+//! | [`math`] | – | scalars, bounding boxes, rotations, linear colours, texels, seeded random numbers, the length of a frame |
+//! | [`text`] | – | text from files and arguments made safe to print; counts in words |
+//! | [`disk`] | text | reading and writing whole files |
+//! | [`machine`] | – | free memory; threads kept awake while there is work |
+//! | [`geometry`] | math, disk, text | model file → mesh → cells of a grid → particles and links; points embedded in cells; the named parts of a model; its colours and textures |
 //! | [`scene`] | math, disk, text, geometry | the document: bodies, materials, obstacles, settings; edits, files, presets, one definition per parameter |
 //! | [`physics`] | math, machine, geometry, scene (in `compile` alone) | the core: forces, contact, stability limits, the step; no input, output or clock |
-//! | [`modal`] | math, machine, geometry, physics | how a body swings: the lowest modes about rest, by which the physics can move it at a cost that no cell adds to |
+//! | [`modal`] | math, machine, geometry, physics | the lowest vibration modes of a body about rest; the physics can move a body by them at a cost that does not grow with its cells |
 //! | [`view`] | math | camera, draw list, colours, legend: a picture as plain data |
-//! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; what explains them (links, contacts, boxes) → overlays; what cells lose of a model → a picture of it |
+//! | [`extract`] | math, geometry, scene, physics, view | bodies and obstacles → skins and solids of a draw list; links, contacts and boxes → overlays; what a model loses by its cells → a picture |
 //! | `render` | math, view | wgpu: draws a draw list to a window's surface or an image; has never heard of a spring |
-//! | [`report`] | math, machine, geometry, scene, physics | measures and explains: how exact a scheme is for its time and a body for its cells, what a scene costs and does not need, how fast a step is, how far steps may go, how contact compares with theory, whether extreme scenes stay whole, how another engine does |
+//! | [`report`] | math, machine, geometry, scene, physics | measurements: error against run time, cost of a scene stage by stage, speed of a step, stability limits, contact against theory, random extreme scenes, another engine beside ours |
 //! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no window |
-//! | [`export`] | math, disk, text, geometry, view | pictures to files |
+//! | [`export`] | math, disk, text, geometry, view | writes pictures to files |
 //! | `cli` | all but physics | the command line; opens the window |
 //! | `app` | all but geometry, physics, modal, report and cli | winit and egui: the window, its panels, the thread the session runs on |
 //!
@@ -84,27 +84,26 @@
 //!       Impact::Motion     → the body is moved, turned or thrown; nothing is rebuilt
 //!       Impact::Topology   → compiled anew; bodies that stay keep their motion
 //!  wall time ─► Session::advance ─► whole steps, each of n substeps ─► StepReport ─► Status ─► panels
-//!       (the implicit integrator covers several steps with one substep; what costs much or would gain energy goes in parts,
-//!        up to a limit of work in 1/60 s, past which it is slowed and the report says so)
+//!       (the implicit integrator covers several steps with one substep; a substep that is strained or would gain energy is taken
+//!        in parts, up to a limit of work in 1/60 s; beyond that the motion is slowed and the report says so)
 //!  Session::draw_list ─► DrawList ─► Renderer ─► surface or image
 //! ```
 //!
 //! A frame uploads the positions of particles, and one scalar each when colours are on: skins are evaluated on the
 //! GPU from eight particles and weights a vertex. The window never waits for a step: the session runs on a thread of
-//! its own and publishes its newest picture; long work that a panel asks for has a thread beside it, and a change that
-//! makes large bodies says how far it is and can be stopped. While time stands still a body may be shown moved by its
-//! modes (`Command::ShowModes`): its state stays as it is. A frame is drawn only where something looks different, and
-//! where a processor draws, at a pace and with as many pixels as leave the simulation its share (`app::frame_pacer`); one
-//! that a person waits for has the processors to itself.
+//! its own and publishes its newest picture. Long work for a panel runs on another thread; a change that makes large bodies
+//! shows its progress and can be stopped. While the simulation is paused a body may be shown displaced by its modes
+//! (`Command::ShowModes`): its state stays as it is. A frame is drawn only if it differs from the last one. In software
+//! rendering, frame rate and resolution are limited so that the simulation keeps its share of the processors
+//! (`app::frame_pacer`); a frame that a person waits for gets all of them.
 //!
-//! A body that is to move by its modes waits for them with time standing still (`session::modal`): the window finds them on a
-//! thread beside the sandbox with progress and a stop, the command line at once, both in a folder beside the scene where they
-//! were found before. What comes of it is a `Command::TakeModes`; from then on it is a modal body (`physics::modes`), and
-//! its cells are not simulated.
+//! A body that is to move by its modes waits for them, and time with it (`session::modal`). The window computes them on another
+//! thread, with progress and a stop; the command line at once. Both keep them in a folder beside the scene. The result is a
+//! `Command::TakeModes`; from then on the body is a modal body (`physics::modes`) and its cells are not simulated.
 //!
 //! # Two walks through the code
 //!
-//! Each file is entered once, by the function beside it (`tests/tidy.rs` sees to it that they are there). The first follows
+//! Each file is entered once, by the function beside it (`tests/tidy.rs` checks that it exists). The first walk follows
 //! a step length from `--dt` to the loop that integrates:
 //!
 //! ```text
@@ -151,17 +150,18 @@
 //! 1. The core builds and passes its unit tests without the features of the program; no graphics or window crate is in its
 //!    tree (`.ci/run`).
 //! 2. Only `app` names egui and winit; only `render` and `app::canvas` name wgpu (`tests/tidy.rs`).
-//! 3. A step cannot fail, read a clock or log, nor allocate once bodies have been near each other; it abandons a step that
-//!    would make a number infinite and keeps the last good state (`tests/physics/determinism.rs`, `stability.rs`).
+//! 3. A step cannot fail, reads no clock, logs nothing, and does not allocate once bodies have been near each other. A step
+//!    that would make a number infinite is abandoned and the last good state kept (`tests/physics/determinism.rs`, `stability.rs`).
 //! 4. The same scene gives the same bits at every level of vector instructions and by any number of threads; what a plan
-//!    leaves out changes nothing but time (`tests/physics/determinism.rs`, `economy.rs`). Sleep does: what rests has stopped,
-//!    and what fell out of the scene, as a function of the state alone (`tests/physics/sleep.rs`, `fallen.rs`).
+//!    leaves out changes nothing but time (`tests/physics/determinism.rs`, `economy.rs`). Sleep changes the motion: bodies at
+//!    rest and bodies that fell out of the scene stop, as a function of the state alone (`tests/physics/sleep.rs`,
+//!    `fallen.rs`).
 //! 5. In automatic stepping no value of a parameter within its range makes a body explode
 //!    (`tests/physics/stability.rs`).
-//! 6. Everything a person changes in a scene is an [`scene::edit::Edit`], whose inverse takes it back byte for byte, with
-//!    the motion of the body it moved or removed (`scene::edit`, `session`: ten thousand random commands).
+//! 6. Every change to a scene is a [`scene::edit::Edit`]; its inverse takes it back byte for byte, with the motion of the body
+//!    that it moved or removed (`scene::edit`, `session`: ten thousand random commands).
 //! 7. Every struct shared with a shader has its layout (`tests/render`).
-//! 8. What a file, a graphics driver or a person can cause is a typed error with a sentence (`tests/cli`), in bounded
+//! 8. Whatever a file, a graphics driver or a person does wrong becomes a typed error with a sentence (`tests/cli`), in bounded
 //!    memory and time (`tests/fuzz`, `tests/cli/limits.rs`).
 //!
 //! # Features
@@ -174,7 +174,8 @@
 //! particle · link (a spring between two particles, of the family structural, shear or bending) · cell (a filled
 //! voxel) · lattice (particles and links of a body at rest) · body · obstacle (plane, sphere, box, capsule, cylinder or mesh) ·
 //! material · scene ·
-//! edit · command · model · plan · state · step (one dt, divided into substeps) · frame (one picture) · contact · skin
+//! edit · command · model · plan · state · step (one dt, divided into substeps) · part (of a substep that is divided further) · frame (one picture) ·
+//! contact (of a particle, or of a point that several particles carry) · broad and narrow phase · skin
 //! (the drawn surface) · overlay (what explains a picture) · draw list · pass · preset · report.
 //!
 //! Sources: *Gelatin Cubes: Soft Body Simulation* (G. Solaro, USI 2023), cited as GC with its section, and *Squashing
