@@ -13,7 +13,8 @@ use super::model::Model;
 use super::modes;
 use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
 use super::state::{BodyMemory, State};
-use super::step::{self, Inputs, StepWorkspace};
+use super::step::precision::substep;
+use super::step::{Inputs, StepWorkspace};
 use super::stepping;
 use crate::math::{Real, whole_steps};
 use crate::physics::forces::recovery;
@@ -314,7 +315,7 @@ impl<R: Real> Simulation<R> {
         let inputs = Inputs { obstacles: &obstacles, grab: None, modal_grab: None };
         let (whole, timer) = (stepping::whole_substep(&self.plan), &mut ());
         let mut recorder = Recorder::new(timer);
-        step::substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut recorder);
+        substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut recorder);
         self.workspace.contact.contacts = found.contact.contacts;
         self.workspace.contact.bodies.contacts = found.contact.bodies.contacts;
         self.workspace.contact.bodies.keep_sleeping_contacts(&self.model, &self.plan, &self.state);

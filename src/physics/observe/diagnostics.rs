@@ -17,8 +17,9 @@ use crate::physics::model::{BodyModel, Model};
 use crate::physics::report::Recorder;
 use crate::physics::schemes;
 use crate::physics::state::{BodyMemory, State};
+use crate::physics::step::precision::substep;
 use crate::physics::step::substep::Part;
-use crate::physics::step::{Ending, Inputs, StepWorkspace, substep};
+use crate::physics::step::{Ending, Inputs, StepWorkspace};
 use crate::physics::stepping;
 
 /// A share of a substep so small that nothing moves in it.

@@ -18,12 +18,11 @@
 //! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
 //! anything is written: the state stays the last good one and the report says so.
 
-mod precision;
+pub(in crate::physics) mod precision;
 pub(in crate::physics) mod pull;
 pub(in crate::physics) mod substep;
 mod workspace;
 
-pub(super) use precision::substep;
 pub(super) use workspace::StepWorkspace;
 
 use super::contact::{self, ContactRecord, Placed};
@@ -79,7 +78,7 @@ pub(super) enum Ending {
     Diverged,
 }
 
-/// Advances the state by a substep or a part of it: called by [`substep`] alone.
+/// Advances the state by a substep or a part of it: called by [`precision::substep`] alone.
 fn take_part<R: Real>(
     model: &Model<R>,
     plan: &Plan,

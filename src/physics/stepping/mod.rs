@@ -28,8 +28,9 @@ use super::model::{Model, Scheme};
 use super::modes;
 use super::report::{Counters, Recorder, StageTimer, StepReport};
 use super::state::{State, Strain, WORK_SPENT, sleep};
+use super::step::precision::substep;
 use super::step::substep::{OnEnergyGain, Part};
-use super::step::{Ending, Inputs, StepWorkspace, substep};
+use super::step::{Ending, Inputs, StepWorkspace};
 use crate::math::Real;
 use strain::StrainPolicy;
 
