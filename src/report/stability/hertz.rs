@@ -26,8 +26,6 @@
 //! pressed in by about h only the flat touches, and meets the plane like a punch, with `3/2 √(h/δ)` times Hertz's force. So
 //! at a fixed indentation the error shrinks with the cells, and at a fixed number of cells it grows as the indentation
 //! shrinks.
-//! in by about h only the flat touches, and it is met like a punch, too hard: by `3/2 √(h/δ)` times Hertz's force. So at one
-//! indentation the error shrinks with the cells, and with one number of cells it grows the less a ball is indented.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
