@@ -83,9 +83,9 @@
 //!                            that a value puts into a body comes gently and moves the body out
 //!       Impact::Motion     → the body is moved, turned or thrown; nothing is rebuilt
 //!       Impact::Topology   → compiled anew; bodies that stay keep their motion
-//!  wall time ─► Session::advance ─► whole steps, each of n substeps ─► StepReport ─► Status ─► panels
-//!       (the implicit integrator covers several steps with one substep; a substep that is strained or would gain energy is taken
-//!        in parts, up to a limit of work in 1/60 s; beyond that the motion is slowed and the report says so)
+//!  wall time ─► Session::advance ─► whole steps, m substeps in n of them ─► StepReport ─► Status ─► panels
+//!       (nine in eight steps of the default cube, one in four of the implicit integrator; a substep that is strained or would
+//!        gain energy is taken in parts, up to a limit of work in 1/60 s; beyond that the motion is slowed and the report says so)
 //!  Session::draw_list ─► DrawList ─► Renderer ─► surface or image
 //! ```
 //!
@@ -173,10 +173,10 @@
 //!
 //! particle · link (a spring between two particles, of the family structural, shear or bending) · cell (a filled
 //! voxel) · lattice (particles and links of a body at rest) · body · obstacle (plane, sphere, box, capsule, cylinder or mesh) ·
-//! material · scene ·
-//! edit · command · model · plan · state · step (one dt, divided into substeps) · part (of a substep that is divided further) · frame (one picture) ·
-//! contact (of a particle, or of a point that several particles carry) · broad and narrow phase · skin
-//! (the drawn surface) · overlay (what explains a picture) · draw list · pass · preset · report.
+//! material · scene · edit · command · model · plan · state · step (one dt) · substep · span (steps that end with a
+//! substep) · part (of a substep that is divided further) · frame (one picture) · contact (of a particle, or of a point
+//! that several particles carry) · broad and narrow phase · skin (the drawn surface) · overlay (what explains a picture) ·
+//! draw list · pass · preset · report.
 //!
 //! Sources: *Gelatin Cubes: Soft Body Simulation* (G. Solaro, USI 2023), cited as GC with its section, and *Squashing
 //! Cubes: Automating Deformable Model Construction for Graphics* (James, Barbič, Twigg 2004), cited as SC.

@@ -76,7 +76,8 @@ impl<R: Real> Simulation<R> {
         self.state.approaches = running;
         arrive::begin(&old, &model, &plan, &placed, kept, &sides, &mut self.state);
         // The share of the step that was taken stays taken: expensive steps come to an end however often they are edited.
-        self.state.substep = rescaled(self.state.substep, self.plan.substeps, plan.substeps);
+        let planned = [&self.plan, &plan].map(|plan| plan.substeps_after(self.state.steps));
+        self.state.substep = rescaled(self.state.substep, planned);
         self.state.fit_scheme(&plan);
         self.state.fit_sleep(&plan);
         self.state.fit_presses(&model, &plan);
@@ -119,8 +120,8 @@ impl<R: Real> Simulation<R> {
         self.carry_presses_over(before, kept);
         self.state.sweeps.clone_from(&before.state.sweeps);
         self.state.steps = before.state.steps;
-        self.state.substep = rescaled(before.state.substep, before.plan.substeps, self.plan.substeps);
-        let State { part, halvings, work, .. } = before.state;
+        let State { steps, substep, part, halvings, work, .. } = before.state;
+        self.state.substep = rescaled(substep, [&before.plan, &self.plan].map(|plan| plan.substeps_after(steps)));
         (self.state.part, self.state.halvings, self.state.work) = (part, halvings, work);
         self.state.fit_scheme(&self.plan);
         self.state.time_secs = before.state.time_secs;
@@ -191,9 +192,9 @@ impl<R: Real> Simulation<R> {
         if self.diverged {
             return StepReport { last: self.last, diverged: true, ..StepReport::default() };
         }
-        if self.state.held_steps + 1 < self.plan.span {
-            self.state.held_steps += 1;
-            self.state.steps += 1;
+        let planned = self.plan.substeps_after(self.state.steps);
+        if planned == 0 {
+            self.end_step();
             let last = LastSubstep { bodies_asleep: self.bodies_asleep(), ..self.last };
             return StepReport { last, ..StepReport::default() };
         }
@@ -225,16 +226,26 @@ impl<R: Real> Simulation<R> {
             report.last = self.last;
             report.counters.peak_penetration_m = self.last.max_penetration_m;
         } else if self.state.end_part() {
-            self.state.held_steps = 0;
             self.state.substep += 1;
-            if self.state.substep >= self.plan.substeps {
-                self.state.substep = 0;
-                self.state.steps += 1;
+            if self.state.substep >= planned {
+                self.end_step();
             }
         }
         report.last.bodies_asleep = self.bodies_asleep();
         self.last = report.last;
         report
+    }
+
+    /// Counts a whole step.
+    fn end_step(&mut self) {
+        self.state.substep = 0;
+        self.state.steps += 1;
+    }
+
+    /// Whether no substep is under way, and the motion is behind the counted steps by less than a step.
+    pub fn is_between_substeps(&self) -> bool {
+        let [span, substeps] = [self.plan.span, self.plan.substeps].map(u64::from);
+        self.state.part == 0 && self.state.steps % span * substeps % span < substeps
     }
 
     /// How many bodies sleep, modal bodies at rest included.
@@ -412,7 +423,7 @@ pub enum Arrival {
 }
 
 /// As many of `new` substeps as make up the same share of a step as `taken` of `old`; never all of them.
-fn rescaled(taken: u32, old: u32, new: u32) -> u32 {
+fn rescaled(taken: u32, [old, new]: [u32; 2]) -> u32 {
     let share = u64::from(taken) * u64::from(new) / u64::from(old.max(1));
     u32::try_from(share).unwrap_or(u32::MAX).min(new.saturating_sub(1))
 }

@@ -38,7 +38,7 @@ impl Session {
             dt_safe_secs: plan.limits_at_work().dt_safe_secs.unwrap_or(f64::INFINITY),
             integrator: plan.scheme.into(),
             dt_limited_by: plan.limits_at_work().limited_by(plan.dt_secs).words(),
-            substeps: plan.substeps,
+            substeps: plan.max_substeps_in_step(),
             particles: model.particle_count(),
             links,
             contacts: self.report.last.contacts + self.report.last.body_contacts,

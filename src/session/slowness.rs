@@ -3,6 +3,7 @@
 
 use super::Session;
 use super::clock::ClockInterval;
+use super::step_words::step_text;
 use crate::physics::{Scheme, Strain};
 
 /// The simulation counts as slow below this share of the speed asked for.
@@ -29,8 +30,8 @@ struct Facts<'a> {
     iterations: u64,
     /// The substeps that a step takes while links are far from their rest length.
     strained: Option<u64>,
-    /// What limits the step, and the substeps it is divided into.
-    divided: Option<(&'a str, u32)>,
+    /// What limits the step, and the length of the substeps that it is divided into, s.
+    divided: Option<(&'a str, f64)>,
 }
 
 impl Session {
@@ -60,7 +61,7 @@ impl Session {
             links,
             iterations: self.report.counters.iterations,
             strained: self.strained_substeps(),
-            divided: is_divided.then_some((limit.as_str(), plan.substeps)),
+            divided: is_divided.then_some((limit.as_str(), plan.substep_secs())),
         };
         if self.playing { words(&facts) } else { String::new() }
     }
@@ -70,7 +71,8 @@ impl Session {
         let (plan, parts) = (self.simulation.plan(), self.report.counters.substeps);
         let mut bodies = self.simulation.state().bodies.iter();
         let is_strained = bodies.any(|body| !body.asleep && body.strain > Strain::Small);
-        (is_strained && parts > 1 && plan.scheme != Scheme::Implicit).then(|| parts * u64::from(plan.substeps))
+        (is_strained && parts > 1 && plan.scheme != Scheme::Implicit)
+            .then(|| parts * u64::from(plan.max_substeps_in_step()))
     }
 }
 
@@ -111,8 +113,8 @@ fn words(facts: &Facts<'_>) -> String {
         "contact takes more time than the links".to_owned()
     } else if let Some(substeps) = strained {
         format!("strained links take {substeps} substeps a step")
-    } else if let Some((limit, substeps)) = divided {
-        format!("{limit} takes {substeps} substeps a step")
+    } else if let Some((limit, secs)) = divided {
+        format!("{limit} takes substeps of {}", step_text(*secs))
     } else if *iterations >= MIN_MENTIONED_ITERATIONS {
         format!("the stiff links take about {} iterations a substep", two_digits(*iterations))
     } else {
@@ -170,10 +172,10 @@ mod tests {
     fn steps_that_have_a_processor_blame_their_own_work() {
         let busy = facts(0.5, 0.9);
         assert_eq!(words(&busy), "2.0 times slower than real time: limited by the number of links, 12876");
-        let divided = Facts { divided: Some(("shear damping", 3)), ..busy.clone() };
+        let divided = Facts { divided: Some(("shear damping", 5e-4)), ..busy.clone() };
         let divided = words(&divided);
-        assert!(divided.ends_with("shear damping takes 3 substeps a step"), "{divided}");
-        let strained = words(&Facts { strained: Some(18), divided: Some(("shear damping", 3)), ..busy.clone() });
+        assert!(divided.ends_with("shear damping takes substeps of 0.500 ms"), "{divided}");
+        let strained = words(&Facts { strained: Some(18), divided: Some(("shear damping", 5e-4)), ..busy.clone() });
         assert!(strained.ends_with("strained links take 18 substeps a step"));
         let stiff = words(&Facts { iterations: 1_249, ..busy.clone() });
         assert!(stiff.ends_with("about 1200 iterations a substep"), "{stiff}");
@@ -214,8 +216,9 @@ mod tests {
         // Its links line up.
         state.position.iter_mut().step_by(2).for_each(|at| at.y += 10.0);
         session.replace_state(state);
-        session.step();
-        let (planned, taken) = (session.simulation().plan().substeps, session.strained_substeps());
+        // In the second they move.
+        (0..2).for_each(|_| assert!(session.step(), "it goes on"));
+        let (planned, taken) = (session.simulation().plan().max_substeps_in_step(), session.strained_substeps());
         assert!(taken.is_some_and(|taken| taken > u64::from(planned)), "{taken:?} of {planned} planned");
     }
 }

@@ -5,7 +5,7 @@
 //! {"scene": …, "bodies": […], "planes": …}\n                the scene that it belongs to: one line of JSON
 //! particles, planes, steps, substep, time bits              five u64
 //! bits of the velocity's lag, accelerations                 two u64
-//! held steps, part of the substep, its halvings, its work   four u64
+//! unused, part of the substep, its halvings, its work       four u64
 //! position, residual, velocity: 3 × particles × 3 f32
 //! acceleration: accelerations × 3 f32                       as many as particles, or none
 //! sides: planes × particles i8
@@ -147,7 +147,7 @@ impl Session {
             state.time_secs.to_bits(),
             state.velocity_lag_secs.to_bits(),
             state.acceleration.as_ref().map_or(0, Vec::len) as u64,
-            u64::from(state.held_steps),
+            0,
             state.part,
             u64::from(state.halvings),
             state.work,

@@ -55,7 +55,6 @@ pub(super) struct Counts {
     pub(super) time_secs: f64,
     velocity_lag_secs: f64,
     accelerations: u64,
-    held_steps: u32,
     part: u64,
     halvings: u32,
     work: u64,
@@ -73,7 +72,7 @@ impl<'a> Reader<'a> {
         let substep = self.u64("the counts")?;
         let [time_secs, velocity_lag_secs] = [self.f64("the time")?, self.f64("the velocities' lag")?];
         let accelerations = self.u64("the counts")?;
-        let held_steps = self.u64("the counts")?;
+        let _unused = self.u64("the counts")?;
         let [part, halvings] = [self.u64("the counts")?, self.u64("the counts")?];
         let work = self.u64("the counts")?;
         require(steps < MAX_STEPS, "the count of steps", steps, "a count below 2^53")?;
@@ -94,7 +93,6 @@ impl<'a> Reader<'a> {
             time_secs,
             velocity_lag_secs,
             accelerations,
-            held_steps: require_at_most(held_steps, "the count of steps held", most)?,
             part,
             halvings,
             work,
@@ -130,7 +128,6 @@ impl<'a> Reader<'a> {
             velocity,
             acceleration: (accelerated > 0).then_some(acceleration),
             velocity_lag_secs: counts.velocity_lag_secs,
-            held_steps: counts.held_steps,
             side,
             anchor,
             bodies,
@@ -141,7 +138,7 @@ impl<'a> Reader<'a> {
             modal,
             steps: counts.steps,
             // A state saved with more substeps in a step is put at the last substep here.
-            substep: counts.substep.min(plan.substeps - 1),
+            substep: counts.substep.min(plan.substeps_after(counts.steps).saturating_sub(1)),
             part: counts.part,
             halvings: counts.halvings,
             work: counts.work,

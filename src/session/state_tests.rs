@@ -16,7 +16,6 @@ const SUBSTEP: usize = 24;
 const TIME: usize = 32;
 const LAG: usize = 40;
 const ACCELERATIONS: usize = 48;
-const HELD: usize = 56;
 const PART: usize = 64;
 const HALVINGS: usize = 72;
 const VECTORS: usize = 88;
@@ -62,7 +61,6 @@ fn every_number_of_a_state_is_checked() {
         (number(LAG, f64::NAN), "the velocities' lag is NaN, and a time from 0 to 0.1 s is needed"),
         (number(LAG, 7.0), "the velocities' lag is 7"),
         (word(ACCELERATIONS, 3), "the count of accelerations is 3, and 1000 is needed"),
-        (word(HELD, 1 << 40), "the count of steps held is"),
         (word(PART, 2), "the part of the substep that is done is 2, and a multiple of 16777216"),
         (word(HALVINGS, 25), "the count of halvings is 25, and at most 24 is needed"),
         (part(VECTORS + 24, f32::NAN), "the position of particle 2 is [NaN"),

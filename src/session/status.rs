@@ -62,7 +62,7 @@ pub struct Status {
     pub integrator: Integrator,
     /// What limits the step, in plain words ("shear stiffness", "the step asked for").
     pub dt_limited_by: String,
-    /// Substeps in a whole step.
+    /// The most substeps in a whole step.
     pub substeps: u32,
     /// Particles in the scene.
     pub particles: usize,

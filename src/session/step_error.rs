@@ -88,7 +88,7 @@ impl StepErrors {
     pub(super) fn run_until(&mut self, simulation: &Simulation<f32>, until: Instant, stop: &AtomicBool) {
         if self.running.is_none() {
             let is_due = self.next.is_none_or(|next| Instant::now() >= next);
-            if !is_due || !simulation.state().is_between_steps() || !simulation.state().is_between_substeps() {
+            if !is_due || !simulation.state().is_between_steps() || !simulation.is_between_substeps() {
                 return;
             }
             if Comparison::least_work(simulation) > MAX_LINK_FORCES {
@@ -147,7 +147,7 @@ impl Comparison {
     fn substep(&mut self, stop: &AtomicBool) -> Option<StepError> {
         let end_secs = self.from_secs + PREDICTED_SECS - 1e-9;
         let has_arrived = |simulation: &Simulation<f32>, at_secs: f64| {
-            simulation.state().is_between_substeps() && simulation.state().time_secs >= at_secs
+            simulation.is_between_substeps() && simulation.state().time_secs >= at_secs
         };
         let (simulation, is_last) =
             if has_arrived(&self.whole, end_secs) { (&mut self.halved, true) } else { (&mut self.whole, false) };

@@ -163,7 +163,9 @@ fn what_lands_flat_bounces_about_as_high_as_its_cells_do() {
             let mut body = cube(0.7, [0.0; 3]);
             body.material =
                 Material::Solid(Solid { young_modulus: 5e5, density: 500.0, damping_ratio, ..Solid::DEFAULT });
-            let scene = hanging(body, WEIGHT, vec![obstacle.clone()]);
+            let mut scene = hanging(body, WEIGHT, vec![obstacle.clone()]);
+            // Longer substeps of the cells take a little more of the bounce.
+            scene.settings.dt = 5e-4;
             let [cells, by_modes] = [simulate::<f64>(&scene), modal::<f64>(&scene)].map(rebound);
             assert!((cells - by_modes).abs() < within, "damped by {damping_ratio}: {cells} and by modes {by_modes}");
         }

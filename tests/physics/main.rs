@@ -33,5 +33,6 @@ mod sleep;
 mod solid;
 mod stabilised;
 mod stability;
+mod substeps;
 mod support;
 mod work;

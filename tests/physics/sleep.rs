@@ -89,7 +89,8 @@ fn a_sleeping_body_costs_nothing_and_stays_as_it_is() {
         "nothing is worked out"
     );
     assert_eq!(report.last.bodies_asleep, 1, "and the report says why");
-    assert!((simulation.state().time_secs - time - 0.1).abs() < 1e-9, "time goes on");
+    let behind = (simulation.state().time_secs - time - 0.1).abs();
+    assert!(behind < simulation.plan().substep_secs(), "time goes on, {behind} s from the steps");
     assert_eq!(simulation.hash(), hash, "not a bit has changed");
     assert_eq!(simulation.diagnostics(), shown, "nor any figure");
     assert!(shown.finite && shown.energy.contact > 0.0 && shown.energy.kinetic == 0.0, "{shown:?}");

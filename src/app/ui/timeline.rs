@@ -5,6 +5,7 @@ use egui::{Align, Layout, RichText, Ui};
 use super::icon::{Icon, icon_button_ui};
 use super::words::{capitalised, grouped};
 use super::{BottomPanel, Panels, theme};
+use crate::session::step_words::step_text;
 use crate::session::{Command, Status};
 
 /// Below this width (points) the counts are left out in favour of the words.
@@ -107,7 +108,7 @@ fn status_words(status: &Status) -> String {
     }
     match status.substeps {
         0 | 1 => "Running.".to_owned(),
-        substeps => format!("Running. Steps are divided by {substeps}: limited by {}.", status.dt_limited_by),
+        _ => format!("Running in substeps of {}: limited by {}.", step_text(status.dt_secs), status.dt_limited_by),
     }
 }
 
@@ -120,8 +121,9 @@ mod tests {
     fn the_words_say_what_limits_the_speed() {
         let running = Status { title: "spot".into(), playing: true, substeps: 1, ..Status::default() };
         assert_eq!(status_words(&running), "Running.");
-        let divided = Status { substeps: 4, dt_limited_by: "shear stiffness".into(), ..running.clone() };
-        assert_eq!(status_words(&divided), "Running. Steps are divided by 4: limited by shear stiffness.");
+        let divided =
+            Status { substeps: 4, dt_secs: 2.5e-4, dt_limited_by: "shear stiffness".into(), ..running.clone() };
+        assert_eq!(status_words(&divided), "Running in substeps of 0.250 ms: limited by shear stiffness.");
         let slow = Status { limited_by: "3 times slower than real time: limited by shear stiffness".into(), ..divided };
         assert_eq!(status_words(&slow), "3 times slower than real time: limited by shear stiffness");
         let rested = Status { at_rest: true, rest_since_secs: 2.5, time_secs: 9.0, ..slow.clone() };

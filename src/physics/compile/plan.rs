@@ -181,7 +181,15 @@ fn impulse_contact_plan<R: Real>(
     Some(BodyContactPlan { scheme, parts, strained_parts })
 }
 
-/// How a whole step is divided into substeps, or a substep covers several.
+/// The longest span, s, and the most steps in it: substeps need not end with every step, so that fewer are enough. Steps of 1
+/// ms that are a little longer than is safe are not halved but taken in nine substeps for eight steps.
+const MAX_SPAN_SECS: f64 = 8e-3;
+const MAX_SPAN: u32 = 8;
+
+/// Steps that need more substeps than this are divided one by one: little is saved together.
+const MAX_DIVIDED_TOGETHER: u32 = 16;
+
+/// How a span of whole steps is divided into substeps.
 #[derive(Clone, Copy, Debug)]
 struct StepDivision {
     /// The whole step, s.
@@ -200,7 +208,19 @@ impl StepDivision {
 
     /// As few substeps as are safe.
     fn of(limits: &SceneLimits, dt_secs: f64) -> Self {
-        Self { dt_secs: dt_secs.min(limits.longest_step_secs()), substeps: limits.substeps(dt_secs), span: 1 }
+        let each = limits.substeps(dt_secs);
+        if each == 1 || each > MAX_DIVIDED_TOGETHER {
+            return Self { dt_secs: dt_secs.min(limits.longest_step_secs()), substeps: each, span: 1 };
+        }
+        let mut span = MAX_SPAN;
+        while span > 1 && f64::from(span) * dt_secs > MAX_SPAN_SECS * (1.0 + f64::EPSILON) {
+            span /= 2;
+        }
+        let mut substeps = limits.substeps(f64::from(span) * dt_secs);
+        while span > 1 && substeps.is_multiple_of(2) {
+            (span, substeps) = (span / 2, substeps / 2);
+        }
+        Self { dt_secs, substeps, span }
     }
 
     /// As few substeps as are safe and no longer than [`MAX_STEP_SECS`], none longer than a step: the state after a step,

@@ -123,10 +123,11 @@ pub struct Plan {
     pub scheme_costs: Vec<SchemeCost>,
     /// The whole step, s: that of the settings, or as much of it as `u32::MAX` safe substeps cover.
     pub dt_secs: f64,
-    /// Substeps in a whole step.
+    /// Substeps in a span.
     pub substeps: u32,
-    /// Whole steps that one substep covers: more than one only where the implicit integrator has taken over, as many as its
-    /// own step has room for. The steps before the last are only counted: the motion waits for the last.
+    /// Whole steps in a span. After each of them as many substeps are taken as have begun and ended within it: the motion is
+    /// behind by less than a substep until the span is over. Where the implicit integrator has taken over, a span is one
+    /// substep, and its steps before the last are only counted.
     pub span: u32,
     /// How often a substep of the implicit integrator may be halved that would give energy: down to a step that an explicit
     /// integrator could take, or as often as is possible at all. Never in manual stepping.
@@ -185,6 +186,23 @@ impl Plan {
     /// The step in use, s.
     pub fn substep_secs(&self) -> f64 {
         self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
+    }
+
+    /// Substeps in a number of steps since the start.
+    pub(in crate::physics) fn substeps_by(&self, steps: u64) -> u64 {
+        let [span, substeps] = [self.span, self.substeps].map(u64::from);
+        (steps / span).wrapping_mul(substeps).wrapping_add(steps % span * substeps / span)
+    }
+
+    /// Substeps in the step that follows on so many `steps`; none where it is only counted.
+    pub(crate) fn substeps_after(&self, steps: u64) -> u32 {
+        let count = self.substeps_by(steps.wrapping_add(1)).wrapping_sub(self.substeps_by(steps));
+        u32::try_from(count).unwrap_or(u32::MAX)
+    }
+
+    /// The most substeps in a step.
+    pub fn max_substeps_in_step(&self) -> u32 {
+        self.substeps.div_ceil(self.span)
     }
 
     /// Whether substeps are divided until they are stable.

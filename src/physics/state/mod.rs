@@ -73,8 +73,6 @@ pub struct State<R: Real> {
     /// The work on the substep under way so far, in iterations of the implicit integrator; `WORK_SPENT` once the limit of
     /// `Plan::most_work` was reached.
     pub work: u64,
-    /// Whole steps that are counted and that the motion has yet to catch up with: see `Plan::span`.
-    pub held_steps: u32,
     /// Simulated time, s: kept, not recomputed, as the step may be changed on the way.
     pub time_secs: f64,
 }
@@ -171,11 +169,6 @@ impl BodyMemory {
 }
 
 impl<R: Real> State<R> {
-    /// Whether no substep is under way, and the motion has caught up with the counted steps.
-    pub fn is_between_substeps(&self) -> bool {
-        self.part == 0 && self.held_steps == 0
-    }
-
     /// Whether no step is under way.
     pub fn is_between_steps(&self) -> bool {
         self.substep == 0 && self.part == 0
@@ -203,7 +196,6 @@ impl<R: Real> State<R> {
             part: 0,
             halvings: 0,
             work: 0,
-            held_steps: 0,
             time_secs: 0.0,
         };
         for body in &model.bodies {
@@ -232,7 +224,6 @@ impl<R: Real> State<R> {
 
     /// Keeps room for what the scheme of a plan remembers, and no more. A scheme that begins starts with no velocity lag.
     pub(super) fn fit_scheme(&mut self, plan: &Plan) {
-        self.held_steps = self.held_steps.min(plan.span - 1);
         if plan.halvings == 0 {
             (self.part, self.halvings, self.work) = (0, 0, 0);
         }

@@ -74,7 +74,6 @@ pub(in crate::physics) fn substeps_in(plan: &Plan, secs: f64, round: fn(f64) -> 
 
 /// Whether the number of substeps taken since the start is a multiple of those that last `secs` (s).
 pub(in crate::physics) fn is_due_every<R: Real>(plan: &Plan, state: &State<R>, secs: f64) -> bool {
-    let taken = state.steps / u64::from(plan.span);
-    let taken = taken.wrapping_mul(u64::from(plan.substeps)).wrapping_add(u64::from(state.substep));
+    let taken = plan.substeps_by(state.steps).wrapping_add(u64::from(state.substep));
     taken.is_multiple_of(substeps_in(plan, secs, libm::round))
 }

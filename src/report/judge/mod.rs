@@ -294,7 +294,7 @@ impl MotionJudge {
                 account.add_obstacle_work(report.counters.fastest_surface_m_s, work);
             }
             self.record_contacts(simulation.met());
-            let is_whole = simulation.state().is_between_substeps();
+            let is_whole = simulation.is_between_substeps();
             if report.diverged {
                 return SubstepOutcome::Diverged;
             }
