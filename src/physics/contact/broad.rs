@@ -6,8 +6,9 @@
 
 use std::ops::Range;
 
-use super::distance_cache::{BATCH_SIZE, DistanceCache, ParticleBatch};
+use super::distance_cache::{DistanceCache, ParticleBatch};
 use super::narrow::mesh::{NearestPointCache, rounding_margin};
+use super::near_particles::{BATCH_SIZE, NearParticles, mask};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::kernels::{GROUP_SIZE, motion_bounds};
 use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
@@ -24,11 +25,10 @@ pub(super) struct BroadPhase<R: Real> {
     groups: Vec<Aabb<R>>,
     /// How far an obstacle reaches past its box, m.
     reach: R,
-    /// The particles that may meet one of the obstacles, by their numbers in the body, ascending, a few at a time.
-    pub(super) particles: Vec<Range<usize>>,
-    /// For the group being tested: the meshes near it that stand still, and whether any other obstacle is near it.
-    meshes: Vec<u32>,
-    meets_more_than_meshes: bool,
+    /// The particles that may meet one of the obstacles.
+    pub(super) particles: NearParticles,
+    /// The obstacles near the group that is being tested.
+    near_group: Vec<u32>,
     /// Known distances of the particles from meshes.
     distances: DistanceCache<R>,
 }
@@ -40,9 +40,8 @@ impl<R: Real> BroadPhase<R> {
             obstacles: Vec::with_capacity(model.obstacles.len()),
             groups: Vec::with_capacity(particles.div_ceil(GROUP_SIZE)),
             reach: R::ZERO,
-            particles: Vec::with_capacity(particles.div_ceil(BATCH_SIZE)),
-            meshes: Vec::with_capacity(model.mesh_count()),
-            meets_more_than_meshes: false,
+            particles: NearParticles::new(particles),
+            near_group: Vec::with_capacity(model.obstacles.len()),
             distances: DistanceCache::new(particles, model.mesh_count()),
         }
     }
@@ -83,7 +82,7 @@ impl<R: Real> BroadPhase<R> {
     }
 
     /// Finds the particles that may meet one of these obstacles. Takes the groups that touch one or whose motion comes near one,
-    /// and of them each few that do so themselves and are not known to be far from meshes. `caches` holds the cached search
+    /// and of them the particles that do so themselves and are not known to be far from it. `caches` holds the cached search
     /// results of the body's particles.
     pub(super) fn find_particles(
         &mut self,
@@ -97,67 +96,64 @@ impl<R: Real> BroadPhase<R> {
         self.particles.clear();
         for group in 0..own.len().div_ceil(GROUP_SIZE) {
             let all = group * GROUP_SIZE..own.len().min((group + 1) * GROUP_SIZE);
-            if !substep.plan.broad_phase {
-                self.particles.push(all);
-                continue;
-            }
-            self.find_near_meshes(substep, number, group);
-            for first in all.clone().step_by(BATCH_SIZE) {
-                let batch = first..all.end.min(first + BATCH_SIZE);
-                if self.meets_more_than_meshes {
-                    // A group holds particles of many layers, of which only one touches the ground.
-                    if self.is_batch_near(substep, number, batch.clone(), velocity) {
-                        self.particles.push(batch);
-                    }
+            if substep.plan.broad_phase {
+                self.find_near_group(substep, number, group);
+                if self.near_group.is_empty() {
                     continue;
                 }
-                let Substep { state, dt: secs, .. } = substep;
-                let these = own.start + batch.start..own.start + batch.end;
-                let particle_batch = ParticleBatch { range: batch.clone(), position, velocity, secs };
-                let Self { meshes, distances, reach, .. } = self;
-                let is_near = |near: &u32| {
-                    let shape = &substep.obstacles.for_body(number, *near as usize).shape;
-                    let ObstacleShape::Mesh(mesh) = shape else { return true };
-                    touches(shape, state, these.clone()) || !distances.is_far(&particle_batch, mesh, *reach, caches)
+            }
+            for first in all.clone().step_by(BATCH_SIZE) {
+                let range = first..all.end.min(first + BATCH_SIZE);
+                let [position, velocity] = [position, velocity].map(|of| &of[range.clone()]);
+                let batch = ParticleBatch { range, position, velocity, secs: substep.dt };
+                let near = if substep.plan.broad_phase {
+                    self.near_in_batch(substep, number, &batch, caches)
+                } else {
+                    mask(batch.range.len(), |_| true)
                 };
-                if meshes.iter().any(is_near) {
-                    self.particles.push(batch);
-                }
+                self.particles.push(first, near);
             }
         }
     }
 
-    /// Whether the motion of any of a few particles of the body comes near one of the obstacles, or any touches one.
-    fn is_batch_near(&self, substep: Substep<'_, R>, number: usize, batch: Range<usize>, velocity: &[R::Vec3]) -> bool {
-        let Substep { model, state, obstacles, dt, .. } = substep;
-        let start = model.bodies[number].particles.start;
-        let these = start + batch.start..start + batch.end;
-        self.obstacles.iter().any(|near| {
-            let obstacle = obstacles.for_body(number, *near as usize);
-            let bounds = obstacle.bounds.grown(self.reach);
-            let motions = state.position[these.clone()].iter().zip(&velocity[batch.clone()]);
-            touches(&obstacle.shape, state, these.clone())
-                || motions.into_iter().any(|(from, velocity)| path_bounds::<R>(*from, *velocity * dt).overlaps(&bounds))
-        })
-    }
-
-    /// Finds which meshes that stand still a group may meet, and whether it may meet anything else.
-    fn find_near_meshes(&mut self, substep: Substep<'_, R>, number: usize, group: usize) {
-        self.meshes.clear();
-        self.meets_more_than_meshes = false;
+    /// Finds the obstacles near a group.
+    fn find_near_group(&mut self, substep: Substep<'_, R>, number: usize, group: usize) {
+        self.near_group.clear();
         for place in 0..self.obstacles.len() {
             let near = self.obstacles[place];
-            if self.meets_more_than_meshes || !self.is_group_near(substep, number, group, near) {
-                continue;
-            }
-            // A mesh that moves comes towards the particles.
-            let ObstacleModel { shape, carry, .. } = substep.obstacles.for_body(number, near as usize);
-            if matches!(shape, ObstacleShape::Mesh(_)) && carry.is_none() {
-                self.meshes.push(near);
-            } else {
-                self.meets_more_than_meshes = true;
+            if self.is_group_near(substep, number, group, near) {
+                self.near_group.push(near);
             }
         }
+    }
+
+    /// Returns the mask of those of a few particles that touch an obstacle near their group, or whose motion comes near it.
+    fn near_in_batch(
+        &mut self,
+        substep: Substep<'_, R>,
+        number: usize,
+        batch: &ParticleBatch<'_, R>,
+        caches: &[NearestPointCache],
+    ) -> u16 {
+        let Substep { model, state, obstacles, dt, .. } = substep;
+        let Self { near_group, distances, reach, .. } = self;
+        let ParticleBatch { range, position, velocity, .. } = batch;
+        let start = model.bodies[number].particles.start;
+        near_group.iter().fold(0, |near, obstacle| {
+            let ObstacleModel { shape, bounds, carry, .. } = obstacles.for_body(number, *obstacle as usize);
+            let sides = shape.side_row().map(|row| &state.side[row][start + range.start..start + range.end]);
+            let touching = sides.map_or(0, |sides| mask(range.len(), |particle| sides[particle] != 0));
+            let coming = match shape {
+                // A mesh that moves comes towards the particles.
+                ObstacleShape::Mesh(mesh) if carry.is_none() => distances.near(batch, mesh, *reach, caches),
+                _ => {
+                    let bounds = bounds.grown(*reach);
+                    let path = |particle: usize| path_bounds::<R>(position[particle], velocity[particle] * dt);
+                    mask(range.len(), |particle| path(particle).overlaps(&bounds))
+                }
+            };
+            near | touching | coming
+        })
     }
 
     fn is_group_near(&self, substep: Substep<'_, R>, number: usize, group: usize, near: u32) -> bool {

@@ -163,7 +163,7 @@ fn resolve_body<R: Real>(
     let (body, meshes) = (&substep.model.bodies[number], substep.model.mesh_count());
     workspace.broad_phase.find_particles(substep, number, velocity, &workspace.caches);
     let ObstaclesWorkspace { broad_phase, caches, found_contacts, tests } = workspace;
-    for local in broad_phase.particles.iter().cloned().flatten() {
+    for local in broad_phase.particles.iter() {
         let particle = body.particles.start + local;
         // The contacts are in the order of the particles.
         let has_met = || earlier_contacts.binary_search_by_key(&particle, |contact| contact.particle).is_ok();

@@ -11,7 +11,7 @@
 //! ```text
 //! particles   candidate: what each particle near an obstacle meets; response: the law; between, gauss_seidel: several obstacles
 //!             at one particle; account: the energy of all that
-//! search      broad, distance_cache: what is far; narrow, swept_point, surface: where a path meets a shape
+//! search      broad, near_particles, distance_cache: what is far; narrow, swept_point, surface: where a path meets a shape
 //! schemes     constraint, solved: contact within the equations of the implicit scheme; held: through the stages of the
 //!             stabilised scheme; thesis: the thesis's own rule
 //! obstacles   placed, moving, sweep: where obstacles are on their way; arrive, approach, way_out: those put into a body
@@ -38,6 +38,7 @@ mod gauss_seidel;
 mod held;
 mod moving;
 mod narrow;
+mod near_particles;
 pub(super) mod placed;
 mod record;
 mod response;

@@ -55,7 +55,7 @@ pub(in crate::physics) fn find_constraints<R: Real>(
         recorder.enter(Stage::Contact);
         of_body.broad_phase.find_particles(substep, number, own, &of_body.caches);
         let ObstaclesWorkspace { broad_phase, caches, .. } = of_body;
-        for local in broad_phase.particles.iter().cloned().flatten() {
+        for local in broad_phase.particles.iter() {
             let particle = body.particles.start + local;
             if body.is_pinned(local) {
                 continue;

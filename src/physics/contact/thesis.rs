@@ -43,7 +43,7 @@ pub(in crate::physics) fn add_forces<R: Real>(
         recorder.enter(Stage::Contact);
         let tests_before = recorder.counters.narrow_tests;
         broad_phase.find_particles(substep, place, own, caches);
-        for particle in broad_phase.particles.iter().cloned().flatten().map(|local| body.particles.start + local) {
+        for particle in broad_phase.particles.iter().map(|local| body.particles.start + local) {
             for number in broad_phase.obstacles.iter().map(|near| *near as usize) {
                 let obstacle = obstacles.for_body(place, number);
                 recorder.counters.narrow_tests += 1;
