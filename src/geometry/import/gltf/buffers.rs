@@ -90,22 +90,7 @@ impl<'a> Buffers<'a> {
     }
 
     fn named(&self, uri: &str, what: &str) -> Result<Vec<u8>, Fault> {
-        uri.strip_prefix("data:").map_or_else(|| self.beside(uri, what), |rest| self.embedded(rest))
-    }
-
-    /// The bytes of a `data:` URI.
-    fn embedded(&self, rest: &str) -> Result<Vec<u8>, Fault> {
-        let refused = |why: String| Fault::from(Problem::Refused { format: "a data URI", why });
-        let (kind, text) = rest.split_once(',').ok_or_else(|| refused("it has no comma".into()))?;
-        // Four letters of base64 hold three bytes.
-        if text.len() as u64 / 4 * 3 > self.budget {
-            return Err(Fault::TooLarge);
-        }
-        if kind.ends_with(";base64") {
-            BASE64.decode(text).map_err(|error| refused(error.to_string()))
-        } else {
-            Ok(percent_decode_str(text).collect())
-        }
+        uri.strip_prefix("data:").map_or_else(|| self.beside(uri, what), |rest| embedded(rest, self.budget))
     }
 
     /// The bytes of a file beside the model or in a folder below it.
@@ -123,6 +108,23 @@ impl<'a> Buffers<'a> {
             };
             Problem::Beside { file: beside.shown(&name), why }.into()
         })
+    }
+}
+
+/// Returns the bytes of a `data:` URI, given what follows the colon, if there are no more than `budget`.
+fn embedded(rest: &str, budget: u64) -> Result<Vec<u8>, Fault> {
+    let refused = |why: String| Fault::from(Problem::Refused { format: "a data URI", why });
+    let (kind, text) = rest.split_once(',').ok_or_else(|| refused("it has no comma".into()))?;
+    let is_base64 = kind.ends_with(";base64");
+    // Four letters of base64 hold three bytes.
+    let held = if is_base64 { text.len() as u64 / 4 * 3 } else { percent_decode_str(text).count() as u64 };
+    if held > budget {
+        return Err(Fault::TooLarge);
+    }
+    if is_base64 {
+        BASE64.decode(text).map_err(|error| refused(error.to_string()))
+    } else {
+        Ok(percent_decode_str(text).collect())
     }
 }
 
@@ -145,5 +147,20 @@ enum Fault {
 impl From<Problem> for Fault {
     fn from(problem: Problem) -> Self {
         Self::Problem(problem)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_data_uri_is_as_large_as_what_it_holds() {
+        for (rest, held) in [(",a%20b", b"a b".as_slice()), (",%41%42", b"AB"), ("x/y;base64,AAEC", &[0, 1, 2])] {
+            let size = held.len() as u64;
+            assert!(matches!(embedded(rest, size), Ok(bytes) if bytes == held), "{rest}");
+            assert!(matches!(embedded(rest, size - 1), Err(Fault::TooLarge)), "{rest}");
+        }
+        assert!(matches!(embedded("base64", 9), Err(Fault::Problem(_))), "no comma");
     }
 }
