@@ -4,7 +4,7 @@ use super::param::Problem;
 use super::resolve::MAX_NAMES_LISTED;
 use super::{Body, Shape};
 use crate::geometry::Lattice;
-use crate::text::echo;
+use crate::text::{echo, listed};
 
 /// Returns the problem of the first named part of a body that its model does not have.
 pub fn part_problem(place: usize, body: &Body, lattice: &Lattice) -> Option<Problem> {
@@ -12,12 +12,8 @@ pub fn part_problem(place: usize, body: &Body, lattice: &Lattice) -> Option<Prob
     let at = body.parts.iter().position(|part| !names.is_some_and(|names| names.has(&part.name)))?;
     let why = match (&body.shape, names) {
         (Shape::Model(_), Some(names)) => {
-            let names = names.names();
-            let more = names.len().saturating_sub(MAX_NAMES_LISTED);
-            let listed =
-                names.iter().take(MAX_NAMES_LISTED).map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
-            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            format!("is no part of the model, which has {listed}{more}")
+            let names = names.names().iter().map(|name| format!("\"{name}\""));
+            format!("is no part of the model, which has {}", listed(names, MAX_NAMES_LISTED))
         }
         (Shape::Model(_), None) => "is no part of the model, whose file names none".to_owned(),
         _ => "is no part: only a model has parts with names".to_owned(),

@@ -18,7 +18,7 @@ use crate::geometry::voxel::{
 };
 use crate::geometry::watch::{CancelOnly, Portion, Rising};
 use crate::geometry::{Lattice, LatticeCounts, Paint, Shading, Surface, TriMesh, UpAxis, Watch};
-use crate::text::echo;
+use crate::text::{echo, listed};
 
 /// The most particles of a body: its links alone then take more than a gigabyte.
 pub const MAX_PARTICLES: usize = 8_000_000;
@@ -390,13 +390,8 @@ fn fill_model(model: &ModelShape, places: ModelPlaces<'_>, watch: &dyn Watch) ->
 
 /// Lists the model files within a scene, at most [`MAX_NAMES_LISTED`] by name.
 fn embedded_names(held: &Embedded) -> String {
-    let files = held.files();
-    let names: Vec<String> = files.iter().take(MAX_NAMES_LISTED).map(|file| echo(&file.path)).collect();
-    match files.len().saturating_sub(MAX_NAMES_LISTED) {
-        _ if names.is_empty() => "none".to_owned(),
-        0 => names.join(", "),
-        more => format!("{} and {more} more", names.join(", ")),
-    }
+    let names = held.files().iter().map(|file| echo(&file.path));
+    if names.len() == 0 { "none".to_owned() } else { listed(names, MAX_NAMES_LISTED) }
 }
 
 fn builtin_names() -> String {

@@ -49,6 +49,13 @@ pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, ma
     format!("{count} {word}")
 }
 
+/// The first `shown` of some names, and how many more there are: "a, b and 3 more".
+pub fn listed(names: impl ExactSizeIterator<Item = String>, shown: usize) -> String {
+    let more = names.len().saturating_sub(shown);
+    let first = names.take(shown).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{first} and {more} more") } else { first }
+}
+
 /// Returns the number of letters to insert, remove or exchange between two words (Levenshtein).
 pub fn distance(from: &str, to: &str) -> usize {
     let to: Vec<char> = to.chars().collect();
@@ -68,6 +75,12 @@ pub fn distance(from: &str, to: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_long_list_is_cut_and_the_rest_counted() {
+        let list = |count: usize| listed((0..count).map(|number| number.to_string()), 3);
+        assert_eq!([0, 1, 3, 4, 9].map(list), ["", "0", "0, 1, 2", "0, 1, 2 and 1 more", "0, 1, 2 and 6 more"]);
+    }
 
     #[test]
     fn a_strangers_text_is_short_and_steers_nothing() {

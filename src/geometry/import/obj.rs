@@ -18,7 +18,7 @@ use crate::geometry::named_parts::{NameKind, NamedParts};
 use crate::geometry::paint::{NO_TINT, Tint, tint_of_srgb};
 use crate::geometry::texturing::Texturing;
 use crate::geometry::{Paint, Shading, TriMesh, Watch};
-use crate::text::echo_up_to;
+use crate::text::{echo_up_to, listed};
 
 /// A warning lists so many names at most.
 const MAX_LISTED_NAMES: usize = 5;
@@ -139,10 +139,8 @@ fn undefined_warning(parts: &NamedParts, materials: &Materials) -> Option<String
     if materials.is_empty() || undefined.is_empty() {
         return None;
     }
-    let listed: Vec<String> = undefined.iter().take(MAX_LISTED_NAMES).map(|name| echo_up_to(name, 60)).collect();
-    let more = undefined.len() - listed.len();
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    Some(format!("no colours for what no material file defines: {}{more}", listed.join(", ")))
+    let names = undefined.iter().map(|name| echo_up_to(name, 60));
+    Some(format!("no colours for what no material file defines: {}", listed(names, MAX_LISTED_NAMES)))
 }
 
 /// Adds the polygons of one model of the file, as triangles, and calls `added` with each polygon's number of corners and its
