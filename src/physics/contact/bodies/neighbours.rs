@@ -21,7 +21,7 @@ use crate::physics::model::{BodyModel, Model};
 use crate::physics::team;
 
 /// How far bodies may move past each other until lists are rebuilt, in cells.
-const MARGIN: f64 = 0.15;
+const MARGIN: f64 = 0.25;
 
 /// The share of the margin that is used: the rest is for rounding error.
 const USED_MARGIN_SHARE: f64 = 0.999;
