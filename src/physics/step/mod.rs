@@ -25,6 +25,8 @@ mod workspace;
 
 pub(super) use workspace::StepWorkspace;
 
+use std::ops::Range;
+
 use super::contact::{self, ContactRecord, Placed};
 use super::forces;
 use super::forces::Kick;
@@ -411,12 +413,16 @@ fn stays_finite<R: Real>(Substep { model, plan, state, dt, .. }: Substep<'_, R>,
 
 /// `x += dt u` for the bodies that are awake.
 fn move_particles<R: Real>(model: &Model<R>, plan: &Plan, dt: R, state: &mut State<R>, moving_velocity: &[R::Vec3]) {
-    for body in sleep::awake(model, &state.bodies) {
-        let own = body.particles.clone();
-        let to = [&mut state.position[own.clone()], &mut state.position_residual[own.clone()]];
-        let moving_velocity = &moving_velocity[own];
+    let mut advance = |these: Range<usize>| {
+        let to = [&mut state.position[these.clone()], &mut state.position_residual[these.clone()]];
+        let moving_velocity = &moving_velocity[these];
         team::by_part(plan.threads, to, |part, [position, residual]| {
             kernels::advance(plan.simd, dt, &moving_velocity[part], position, residual);
         });
+    };
+    if state.bodies.iter().any(|memory| memory.asleep) {
+        sleep::awake(model, &state.bodies).for_each(|body| advance(body.particles.clone()));
+    } else {
+        advance(0..model.particle_count());
     }
 }
