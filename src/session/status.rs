@@ -54,7 +54,7 @@ pub struct Status {
     pub speed_alone: f64,
     /// Why the speed asked for is not reached, in plain words; empty when it is.
     pub limited_by: String,
-    /// The step in use, s: a whole step divided by its substeps.
+    /// The substep in use, s.
     pub dt_secs: f64,
     /// The largest safe step, s; the implicit integrator takes longer ones. [`super::step_words`] words it for a person.
     pub dt_safe_secs: f64,
