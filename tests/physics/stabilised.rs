@@ -171,7 +171,7 @@ fn a_body_that_tumbles_from_a_ball_is_rubbed_by_coulombs_law_and_comes_to_rest()
 /// The substep is as long as a body at rest allows; an edge that catches a part of the body tears it within that time.
 #[test]
 fn what_is_torn_by_an_edge_within_a_substep_gains_no_energy() {
-    let mut scene = alone(cube(3, 0.01, springs(0.3, 6e-4, 8e-5), [0.0, 0.02, 0.0]), 3.5e-3);
+    let mut scene = alone(cube(3, 0.01, springs(0.3, 6e-4, 8e-5), [0.0, 0.02, 0.0]), 4e-3);
     (scene.settings.integrator, scene.settings.stepping) = (Integrator::Stabilised, Stepping::Auto);
     scene.bodies[0].velocity = [0.0, -1000.0, 0.0];
     let mut edge = plane([0.01, 0.0, 0.0], [0.0; 3], [0.0; 2]);
@@ -179,11 +179,6 @@ fn what_is_torn_by_an_edge_within_a_substep_gains_no_energy() {
         plane.half_extents = [0.01, 0.1];
     }
     let mut simulation = simulate::<f64>(&scene);
-    assert!(
-        (simulation.plan().span, simulation.plan().substeps) == (1, 1),
-        "{:?} s",
-        simulation.plan().limits.dt_safe_secs
-    );
     let free = simulation.step().counters.substeps;
     scene.obstacles.push(edge);
     let mut simulation = simulate::<f64>(&scene);

@@ -50,12 +50,13 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let divided = settings.stepping == Stepping::Auto && settings.integrator.has_stable_step();
     let contact = !model.obstacles.is_empty() && !model.bodies.is_empty();
     let by_thesis = contact && contact_rule == ContactRule::Thesis;
-    let requested = if divided { StepDivision::of(&limits, settings.dt) } else { StepDivision::whole(settings.dt) };
+    let requested =
+        if divided { StepDivision::of(chosen, &limits, settings.dt) } else { StepDivision::whole(settings.dt) };
     let mut candidates = vec![(chosen, requested)];
     let mut stabilised_limits = (chosen == Scheme::Stabilised).then(stabilised);
     if divided && stabilised_limits.as_ref().is_some_and(|limits| !is_longer(limits, &semi_implicit)) {
         // With hardly any damping, the steps of the stabilised scheme are not longer than those of semi-implicit Euler.
-        candidates = vec![(Scheme::SemiImplicit, StepDivision::of(&semi_implicit, settings.dt))];
+        candidates = vec![(Scheme::SemiImplicit, StepDivision::of(Scheme::SemiImplicit, &semi_implicit, settings.dt))];
     }
     // A step that needs no division was chosen for its small error.
     if divided && requested.substeps > 1 && chosen != Scheme::Implicit && settings.allow_implicit && !by_thesis {
@@ -206,10 +207,11 @@ impl StepDivision {
         Self { dt_secs, substeps, span }
     }
 
-    /// As few substeps as are safe.
-    fn of(limits: &SceneLimits, dt_secs: f64) -> Self {
+    /// As few substeps of a scheme as are safe.
+    fn of(scheme: Scheme, limits: &SceneLimits, dt_secs: f64) -> Self {
         let each = limits.substeps(dt_secs);
-        if each == 1 || each > MAX_DIVIDED_TOGETHER {
+        // Longer substeps of the stabilised scheme have more stages, and bear less strain.
+        if each == 1 || each > MAX_DIVIDED_TOGETHER || scheme == Scheme::Stabilised {
             return Self { dt_secs: dt_secs.min(limits.longest_step_secs()), substeps: each, span: 1 };
         }
         let mut span = MAX_SPAN;
