@@ -3,13 +3,13 @@
 
 use gelatin::math::Real;
 use gelatin::math::rotation::from_euler_deg;
-use gelatin::physics::{Arrival, SimdLevel, Simulation};
+use gelatin::physics::{Arrival, Simulation};
 use gelatin::scene::obstacle::{Capsule, Cuboid, Cylinder};
 use gelatin::scene::settings::{ContactRule, Integrator};
 use gelatin::scene::{Obstacle, ObstacleShape, Scene};
 use glam::DVec3;
 
-use crate::determinism::within;
+use crate::determinism::assert_the_same_however_found;
 use crate::support::{cube, falling, lattices, plane, run, simulate, springs};
 
 /// The largest depth of a cube of a metre, plus rounding errors of single precision.
@@ -219,23 +219,8 @@ fn how_they_are_found_changes_no_bit() {
     ] {
         let mut scene = landing();
         (scene.settings.integrator, scene.settings.contact) = (integrator, rule);
-        let run_with = |level: SimdLevel, threads: usize, broad_phase: bool| {
-            let mut simulation = simulate::<f32>(&scene);
-            simulation.plan_mut().simd = level;
-            simulation.plan_mut().broad_phase = broad_phase;
-            simulation.set_threads(threads);
-            let report = within(threads, || simulation.run_for(0.6));
-            (simulation.hash(), report.counters.narrow_tests)
-        };
-        let (hash, with) = run_with(SimdLevel::Portable, 1, true);
-        let (same, without) = run_with(SimdLevel::Portable, 1, false);
-        assert_eq!(hash, same, "{integrator:?}: without the broad phase");
+        let [with, without] = assert_the_same_however_found(&scene, 0.6);
         assert!(with < without, "{integrator:?}: it saves tests: {with} of {without}");
-        for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
-            for threads in [1, 3] {
-                assert_eq!(run_with(level, threads, true).0, hash, "{integrator:?}: {level:?} with {threads} threads");
-            }
-        }
     }
 }
 

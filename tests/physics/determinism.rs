@@ -54,6 +54,29 @@ fn every_level_of_vector_instructions_gives_the_same_bits() {
     }
 }
 
+/// Checks that a scene moves alike with and without the broad phase, at every level of vector instructions and by several
+/// threads, for `secs`. Returns the narrow tests with the broad phase and without.
+pub(crate) fn assert_the_same_however_found(scene: &Scene, secs: f64) -> [u64; 2] {
+    let integrator = scene.settings.integrator;
+    let run_with = |level: SimdLevel, threads: usize, broad_phase: bool| {
+        let mut simulation = simulate::<f32>(scene);
+        simulation.plan_mut().simd = level;
+        simulation.plan_mut().broad_phase = broad_phase;
+        simulation.set_threads(threads);
+        let report = within(threads, || simulation.run_for(secs));
+        (simulation.hash(), report.counters.narrow_tests)
+    };
+    let (hash, with) = run_with(SimdLevel::Portable, 1, true);
+    let (same, without) = run_with(SimdLevel::Portable, 1, false);
+    assert_eq!(hash, same, "{integrator:?}: without the broad phase");
+    for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
+        for threads in [1, 3] {
+            assert_eq!(run_with(level, threads, true).0, hash, "{integrator:?}: {level:?} with {threads} threads");
+        }
+    }
+    [with, without]
+}
+
 /// Does some work in a pool of `threads` threads.
 pub(crate) fn within<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads").install(work)

@@ -1,14 +1,14 @@
 //! Obstacles that move on their own: what they carry and how fast, that bodies gain no more than their work, that nothing near
 //! them sleeps, and that a motion saved in the middle continues bit for bit.
 
-use gelatin::physics::{Arrival, SimdLevel, Simulation};
+use gelatin::physics::{Arrival, Simulation};
 use gelatin::report::judge::{Patience, judge_disturbed};
 use gelatin::scene::obstacle::{Cuboid, Cylinder, Motion, Oscillate, Plane, Sphere, Turn};
 use gelatin::scene::settings::Integrator;
 use gelatin::scene::{Obstacle, ObstacleShape, Scene};
 use glam::DVec3;
 
-use crate::determinism::within;
+use crate::determinism::assert_the_same_however_found;
 use crate::support::{cube, falling, lattices, run, simulate, springs};
 
 fn moving(shape: ObstacleShape, motion: Motion) -> Obstacle {
@@ -138,19 +138,7 @@ fn a_motion_goes_on_bit_for_bit_from_a_state_in_the_middle_and_however_it_is_fou
     scene.obstacles.push(moving(ObstacleShape::Cylinder(wheel), turn([0.0, 0.0, 1.0], 1.5)));
     for integrator in [Integrator::SemiImplicit, Integrator::Stabilised, Integrator::Implicit] {
         scene.settings.integrator = integrator;
-        let run_with = |level: SimdLevel, threads: usize, broad_phase: bool| {
-            let mut simulation = simulate::<f32>(&scene);
-            simulation.plan_mut().simd = level;
-            simulation.plan_mut().broad_phase = broad_phase;
-            simulation.set_threads(threads);
-            within(threads, || simulation.run_for(0.7));
-            simulation.hash()
-        };
-        let hash = run_with(SimdLevel::Portable, 1, true);
-        assert_eq!(run_with(SimdLevel::Portable, 1, false), hash, "{integrator:?}: without the broad phase");
-        for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
-            assert_eq!(run_with(level, 3, true), hash, "{integrator:?}: {level:?} with 3 threads");
-        }
+        assert_the_same_however_found(&scene, 0.7);
         let mut first = simulate::<f32>(&scene);
         run(&mut first, 0.3);
         let mut second = simulate::<f32>(&scene);
