@@ -225,8 +225,8 @@ impl StepDivision {
         Self { dt_secs, substeps, span }
     }
 
-    /// As few substeps as are safe and no longer than [`MAX_STEP_SECS`], none longer than a step: the state after a step,
-    /// which is shown and saved, is at its end.
+    /// As few substeps as are safe and no longer than [`MAX_STEP_SECS`], none longer than a step: by as much the motion that is
+    /// shown and saved would be behind.
     fn of_whole_steps(limits: &SceneLimits, dt_secs: f64) -> Self {
         let longest = limits.dt_safe_secs.map_or(MAX_STEP_SECS, |safe| safe.min(MAX_STEP_SECS));
         Self { span: 1, ..Self::up_to(dt_secs, longest) }
