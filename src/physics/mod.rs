@@ -31,7 +31,7 @@
 //! # One step
 //!
 //! ```text
-//! simulation.step()   substep by substep; where a substep covers several steps, those before the last are only counted
+//! simulation.step()   the substeps that end within the step; where a substep covers several steps, most are only counted
 //!   stepping          part by part, with obstacles placed for the part (Placed): (model, plan, part, inputs, &mut state)
 //!     find_forces     F at the state: gravity, links (by kernels), cells near inversion, contact by the thesis's rule
 //!     predict         v* = v + dt F/m, and a hand's pull

@@ -1,7 +1,8 @@
 //! Divides time: decides how long a part of a substep is and which scheme takes it, and has it taken.
 //!
 //! ```text
-//! step       one dt: `Plan::substeps` substeps, as many as the scheme's stability limit at rest asks for
+//! step       one dt
+//! span       one or several steps: `Plan::substeps` substeps, as many as the scheme's stability limit at rest asks for
 //! substep    whole, or in equal parts: up to `Plan::parts` while links are strained (strain); as many as a scheme with a
 //!            place for the contact needs while bodies come near each other or themselves (`Plan::between_bodies`) or
 //!            points of a body's mesh come near an obstacle (`Plan::on_mesh`); and in parts where the stabilised scheme
