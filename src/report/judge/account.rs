@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::energy_sample::EnergySample;
 use super::fault::{Fault, MAX_ENERGY_GAIN, REACH_TOLERANCE};
+use super::pinch::pinched_speed;
 use super::rounding::Rounding;
 use crate::math::{Real, Vector};
 use crate::physics::{BodyModel, SAFETY, Simulation, StepReport};
@@ -22,8 +23,12 @@ pub(super) struct EnergyAccount {
     work: f64,
     /// The part of it that was done at once, J.
     sudden_work: f64,
+    /// The work that obstacles did in the last substep, J.
+    work_in_substep: f64,
     /// The fastest surface of an obstacle that the body met, m/s.
     max_surface_speed: f64,
+    /// The largest speed of a particle that leaves between two surfaces, m/s.
+    max_pinched_speed: f64,
     /// The most energy in its springs and contact springs since it met a moving surface, J.
     max_squeezed_energy: f64,
     /// The most energy in its springs and contact springs, J.
@@ -61,7 +66,9 @@ impl EnergyAccount {
             own_at_start,
             work: 0.0,
             sudden_work: 0.0,
+            work_in_substep: 0.0,
             max_surface_speed: 0.0,
+            max_pinched_speed: 0.0,
             max_squeezed_energy: 0.0,
             max_stored_energy: 0.0,
             light_mass_kg: light_mass(&simulation.model().bodies[body]),
@@ -86,10 +93,19 @@ impl EnergyAccount {
         self.sudden_work += work.max(0.0);
     }
 
-    /// Counts the work (J) of obstacles whose fastest surface moves at `speed` (m/s).
-    pub(super) fn add_obstacle_work(&mut self, speed: f64, work: f64) {
+    /// Begins a substep.
+    pub(super) fn begin_substep(&mut self) {
+        self.work_in_substep = 0.0;
+    }
+
+    /// Counts the work (J) in the last substep of obstacles whose fastest surface moves at `speed` (m/s).
+    pub(super) fn add_obstacle_work<R: Real>(&mut self, simulation: &Simulation<R>, speed: f64, work: f64) {
         self.work += work;
+        self.work_in_substep += work;
         self.max_surface_speed = self.max_surface_speed.max(speed);
+        if speed > 0.0 {
+            self.max_pinched_speed = self.max_pinched_speed.max(pinched_speed(simulation, self.body));
+        }
     }
 
     /// Notes that the body has met itself.
@@ -119,13 +135,15 @@ impl EnergyAccount {
             }
         }
         let by_itself = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity;
-        let allowed = by_itself + self.work;
+        // The velocity at a position's time has half of the coming change already. What pushes now goes on to push.
+        let work = self.work + 0.5 * self.work_in_substep.max(0.0);
+        let allowed = by_itself + work;
         self.max_allowed_energy = self.max_allowed_energy.max(allowed);
         // A body that is gone may have given the energy it lacked when last seen to another body.
         if !is_gone {
             self.missing_energy = (allowed - own(&self.now)).max(0.0);
         }
-        let terms = if is_gone { [0.0, self.missing_energy, 0.0] } else { [own(&self.now), by_itself, self.work] };
+        let terms = if is_gone { [0.0, self.missing_energy, 0.0] } else { [own(&self.now), by_itself, work] };
         for (sum, now) in self.sums.iter_mut().zip(terms) {
             *sum += now;
         }
@@ -138,7 +156,7 @@ impl EnergyAccount {
             recovery: self.now.energy.recovery,
             contact: self.now.energy.contact,
             own: own(&self.now),
-            work: self.work,
+            work,
             allowed,
             substeps: totals.counters.substeps,
             halved: totals.counters.halved,
@@ -201,6 +219,7 @@ impl EnergyAccount {
     /// obstacles, and by its own size.
     ///
     /// - A body squeezed between obstacles may leave faster than they move, by the energy of its springs.
+    /// - A particle that a moving surface pinches against another leaves faster than either ([`pinched_speed`]).
     /// - If links are next to nothing, one particle leaves with all the energy of its own contact spring.
     /// - A light part that an obstacle catches while the heavy rest flies on is thrown by the springs between them. If the
     ///   body meets itself, the heavy rest may also strike the light part with all its energy.
@@ -216,8 +235,8 @@ impl EnergyAccount {
         let struck = if self.has_self_contact { self.max_allowed_energy } else { 0.0 };
         let thrown = (2.0 * (self.max_stored_energy + struck).max(0.0) / self.light_mass_kg).sqrt();
         let gathered = if self.has_self_contact || given.is_some() { 8.0_f64.sqrt() } else { 1.0 };
-        let speed =
-            gathered * (self.start.max_speed + whole.max(self.max_release_speed).max(thrown)) + self.max_surface_speed;
+        let pushed = self.max_surface_speed.max(self.max_pinched_speed);
+        let speed = gathered * (self.start.max_speed + whole.max(self.max_release_speed).max(thrown)) + pushed;
         let size = self.start.bounds.size().length();
         speed * seconds + 0.5 * self.gravity.length() * seconds * (seconds + self.dt) + size
     }

@@ -19,6 +19,7 @@ mod account;
 mod contact_groups;
 mod energy_sample;
 mod fault;
+mod pinch;
 mod rounding;
 #[cfg(test)]
 mod tests;
@@ -235,6 +236,7 @@ impl MotionJudge {
             return false;
         }
         self.samples.clear();
+        self.accounts.iter_mut().for_each(EnergyAccount::begin_substep);
         let substep = self.verdict.substeps;
         let begin_secs = simulation.state().time_secs;
         let advance = self.advance(simulation, timer);
@@ -291,7 +293,7 @@ impl MotionJudge {
             self.link_forces += report.counters.link_forces + report.counters.iterations * self.links;
             for account in &mut self.accounts {
                 let work = report.counters.obstacle_work_j + report.counters.parting_work_j;
-                account.add_obstacle_work(report.counters.fastest_surface_m_s, work);
+                account.add_obstacle_work(simulation, report.counters.fastest_surface_m_s, work);
             }
             self.record_contacts(simulation.met());
             let is_whole = simulation.is_between_substeps();
