@@ -130,9 +130,17 @@ fn scenes_that_once_exploded_do_not() {
         (1_625_107_691, 7967),
         (3_345_416_435, 4207),
     ];
-    let [scenes, second, third] = [(Edition::First, &scenes[..]), (Edition::Second, &second), (Edition::Third, &third)]
-        .map(|(edition, scenes)| scenes.iter().map(move |(seed, number)| (edition, *seed, *number)));
-    for (edition, seed, number) in scenes.chain(second).chain(third) {
+    // A bowl that begins deep within a ball, and is parted from rest; a plane that sweeps through the pinned half of a model.
+    // A cylinder that pinches particles of next to no links against planes.
+    let fourth = [(887_961_642, 304), (887_961_642, 3958), (3_376_194_074, 287)];
+    let editions = [
+        (Edition::First, &scenes[..]),
+        (Edition::Second, &second),
+        (Edition::Third, &third),
+        (Edition::Fourth, &fourth),
+    ];
+    let all = editions.into_iter().flat_map(|(edition, scenes)| scenes.iter().map(move |scene| (edition, *scene)));
+    for (edition, (seed, number)) in all {
         let (scene, disturbances) = extreme_of(edition, seed, number);
         let lattices = lattices(&scene).expect("sound shapes");
         let patience = Patience { seconds: 2.0, most_link_forces: 20_000_000 };

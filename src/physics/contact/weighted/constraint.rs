@@ -16,7 +16,7 @@
 use glam::DVec3;
 
 use super::law::PointLaw;
-use super::movers::{Mover, Movers, Shares};
+use super::movers::{Fastest, Mover, Movers, Shares};
 
 /// A contact as the rounds of solving use it.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,8 @@ pub(in crate::physics::contact) struct PointConstraint {
     resistance: f64,
     /// The least speed along the normal, m/s: the point gets no deeper than the limit, or than it was.
     min_normal_velocity: f64,
+    /// The particle that would be thrown ([`MAX_THROW_RATIO`]), if any, and how fast its side moves along the normal, m/s.
+    thrown: Option<(Fastest, f64)>,
     /// The speed at which a point is parted that is deeper than its spring is pressed, m/s.
     parting_speed: f64,
     /// The largest impulse for parting it, N·s.
@@ -84,6 +86,12 @@ const PARTING_RATE: f64 = 10.0;
 /// work for ever against links that pull them together.
 const PARTING_FORCE_RATE: f64 = 100.0;
 
+/// To keep a point from getting deeper, no particle is made to move past the others around the point by more than this many
+/// times the speed that the point needs. In a free cell of equal particles a point asks for `w / Σ w²` ≤ 1.92 times. A point
+/// of a cell that is held by nearly all of its weight would throw the few free corners by any multiple of it, and again in
+/// every substep.
+const MAX_THROW_RATIO: f64 = 2.0;
+
 /// A spring is pressed no further than if it pushed this many times as hard as it does: the rounds settle to a smaller error.
 const MAX_PRESS_RATIO: f64 = 2.0;
 
@@ -118,7 +126,11 @@ impl PointConstraint {
         if along <= MIN_MOBILITY {
             return None;
         }
-        let damping = 2.0 * law.damping_ratio * (law.stiffness / along).sqrt();
+        let thrown = movers.fastest(shares).filter(|of| of.speed_per_impulse.abs() > MAX_THROW_RATIO * along);
+        // What each of many points of a held cell asks for adds up at its free corners.
+        let damped = thrown.map_or(along, |of| of.speed_per_impulse.abs() / MAX_THROW_RATIO);
+        let side_speed = |of: Fastest| movers.side_velocity(shares, of.speed_per_impulse).dot(normal);
+        let damping = 2.0 * law.damping_ratio * (law.stiffness / damped).sqrt();
         let resistance = dt * (dt * law.stiffness + damping);
         let SpringBefore { depth, pressed, leaving_speed } = spring;
         // A contact that already leaves fast is not parted: in a soft, light body each cell would be parted from the next,
@@ -139,6 +151,7 @@ impl PointConstraint {
             impulse_at_rest,
             resistance,
             min_normal_velocity,
+            thrown: thrown.map(|of| (of, side_speed(of))),
             parting_speed,
             max_parting_impulse,
             spring,
@@ -167,7 +180,7 @@ impl PointConstraint {
             self.normal_impulse
                 + (impulse_at_rest - self.resistance * along - self.normal_impulse) / (1.0 + self.resistance * mobility)
         });
-        let stopped = self.normal_impulse + (self.min_normal_velocity - along) / mobility;
+        let stopped = self.normal_impulse + self.stopping_change(along, movers);
         let normal_impulse = sprung.max(parted.min(self.max_parting_impulse)).max(stopped).max(0.0);
         let mut change = self.normal * (normal_impulse - self.normal_impulse);
         self.normal_impulse = normal_impulse;
@@ -187,6 +200,19 @@ impl PointConstraint {
         }
         movers.push(self.shares, change);
         change.length()
+    }
+
+    /// Returns by how much the impulse has to change for the point to get no deeper, N·s, where it moves with `along` (m/s).
+    fn stopping_change(&self, along: f64, movers: &Movers) -> f64 {
+        let mobility = self.mobility[0];
+        let whole = (self.min_normal_velocity - along) / mobility;
+        let Some((Fastest { place, speed_per_impulse }, side_speed)) = self.thrown.filter(|_| whole > 0.0) else {
+            return whole;
+        };
+        // Without its own impulse the point would move by that much less.
+        let needed = (whole + self.normal_impulse) * mobility;
+        let past_others = (movers.velocity_of(place).dot(self.normal) - side_speed) * speed_per_impulse.signum();
+        whole.min(((MAX_THROW_RATIO * needed - past_others) / speed_per_impulse.abs()).max(0.0))
     }
 
     /// The velocity of the point relative to what it meets, m/s.

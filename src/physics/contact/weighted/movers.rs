@@ -20,6 +20,15 @@ pub(in crate::physics::contact) struct Mover {
     pub(in crate::physics::contact) predicted_velocity: DVec3,
 }
 
+/// The particle that an impulse on a contact moves fastest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fastest {
+    /// Its place among the movers.
+    pub(super) place: u32,
+    /// Its speed for an impulse of 1, 1/kg; negative against the impulse.
+    pub(super) speed_per_impulse: f64,
+}
+
 /// The share of a mover in a contact.
 #[derive(Clone, Copy, Debug)]
 struct Share {
@@ -142,6 +151,31 @@ impl Movers {
             return [of_particles; 2];
         }
         self.modal.mobility(shares.modal, normal).map(|of_modal| of_particles + of_modal)
+    }
+
+    /// The particle whose speed an impulse on a contact changes most, with its speed for an impulse of 1, 1/kg; none where only
+    /// modal bodies move.
+    pub(super) fn fastest(&self, shares: Shares) -> Option<Fastest> {
+        let all = self
+            .shares_of(shares)
+            .iter()
+            .map(|share| Fastest { place: share.place, speed_per_impulse: share.speed_per_impulse });
+        all.max_by(|one, other| one.speed_per_impulse.abs().total_cmp(&other.speed_per_impulse.abs()))
+    }
+
+    /// The mean velocity, without any contacts, of the particles that an impulse on a contact pushes along it, or against it
+    /// if `sign` is negative, m/s.
+    pub(super) fn side_velocity(&self, shares: Shares, sign: f64) -> DVec3 {
+        let side = self.weighted_movers(shares).filter(|(_, weight)| weight * sign > 0.0);
+        let (sum, total) = side.fold((DVec3::ZERO, 0.0), |(sum, total), (mover, weight)| {
+            (sum + mover.predicted_velocity * weight, total + weight)
+        });
+        sum / total
+    }
+
+    /// The present velocity of a mover, m/s.
+    pub(super) fn velocity_of(&self, place: u32) -> DVec3 {
+        self.velocity[place as usize]
     }
 
     /// The velocity of a contact without any contacts, m/s.
