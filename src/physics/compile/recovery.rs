@@ -3,12 +3,10 @@
 use crate::geometry::{Family, Lattice};
 use crate::math::Real;
 use crate::physics::limits::cells::CellLoads;
+use crate::physics::limits::present::MAX_PUSH_LOAD;
 use crate::physics::model::levels::min_filled_share;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, CellKind, RecoveryModel, Scheme};
-
-/// The most of `κ dt²/(m h²)`: a manual step may be longer than the push could bear.
-const MAX_PUSH_LOAD: f64 = 0.6;
 
 /// The stiffness of the pull over that of the push, at most.
 const PULL_SHARE: f64 = 1.0;

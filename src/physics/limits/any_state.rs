@@ -31,7 +31,7 @@ pub(in crate::physics) fn parts<R: Real>(model: &Model<R>, scheme: Scheme, dt_se
 }
 
 /// Returns into how many parts a substep is divided so that each part bears all of these loads with a margin.
-pub(super) fn parts_for(loads: &[LinkLoad], scheme: Scheme, dt_secs: f64, margin: Margin) -> u32 {
+fn parts_for(loads: &[LinkLoad], scheme: Scheme, dt_secs: f64, margin: Margin) -> u32 {
     let bear = |parts: u32| loads.iter().all(|load| load.is_borne(scheme, dt_secs / f64::from(parts), margin));
     // A few are enough for the share of the step at rest that is taken.
     (1..MAX_PARTS).find(|&parts| bear(parts)).unwrap_or(MAX_PARTS)

@@ -99,6 +99,11 @@ impl LinkLoad {
         Self { stiffness: self.stiffness.max(other.stiffness), damping: self.damping.max(other.damping) }
     }
 
+    /// Returns the share of the limit that the load takes up in steps of `dt` (s) of semi-implicit Euler.
+    pub(super) fn share_of_limit(self, dt: f64) -> f64 {
+        (dt * dt * self.stiffness + 2.0 * dt * self.damping) / LATTICE_LIMIT
+    }
+
     /// Whether steps of `dt` (s) of a scheme bear the load with a margin.
     pub(super) fn is_borne(&self, scheme: Scheme, dt: f64, margin: Margin) -> bool {
         let longer = dt / margin.stiffness;

@@ -18,6 +18,9 @@
 //! and the same for the damping with `d̂ d̂ᵀ` alone. At rest this is a third of the bound in any state. A compressed link
 //! pushes its ends aside, which only lowers the stiffness.
 //!
+//! Cells near inversion are pushed back ([`crate::physics::forces::recovery`]), and the push takes up some of the limit beside
+//! links. Where links are damped up to their own margin, a crushed body is divided into one part more.
+//!
 //! Semi-implicit Euler takes this bound with the margin that it keeps at rest: it gave no energy in thousands of extreme
 //! scenes. Verlet, whose damping follows from how links pointed before, gave some. The stabilised scheme has nothing that
 //! damps across stretched links, and what hits a body may stretch them within one of its long substeps. These two keep to
@@ -28,7 +31,7 @@
 //!
 //! [`checks`]: crate::physics::stepping
 
-use super::any_state::parts_for;
+use super::any_state::MAX_PARTS;
 use super::load::{LinkLoad, Margin, SAFETY};
 use crate::math::{Real, Vector};
 use crate::physics::model::{BodyModel, Scheme};
@@ -37,10 +40,28 @@ use crate::physics::model::{BodyModel, Scheme};
 /// that do not hold a body in shape take less, as links may point elsewhere by the next step, and those that do take more.
 const DAMPING_SAFETY: f64 = 0.8;
 
-/// Returns into how many parts a substep of `dt_secs` of semi-implicit Euler is divided while a body's links add this load.
-pub(in crate::physics) fn parts(load: LinkLoad, dt_secs: f64) -> u32 {
+/// The most of `κ dt²/(m h²)` for the push of stiffness κ on crushed cells in a whole substep: a manual step may be longer
+/// than the push could bear.
+pub(in crate::physics) const MAX_PUSH_LOAD: f64 = 0.6;
+
+/// The share of the limit that the push takes up beside links in a whole substep, at most (`compile::recovery`).
+const PUSH_SHARE: f64 = 0.5 * MAX_PUSH_LOAD;
+
+/// The share that the damper of the push takes up in a part of any length: it stops half of the speed of the push's fastest
+/// mode ([`crate::physics::forces::recovery`]), and the limit is twice that speed.
+const PUSH_DAMPER_SHARE: f64 = 0.25;
+
+/// Returns into how many parts a substep of `dt_secs` of semi-implicit Euler is divided while a body's links add this load,
+/// and while its cells are pushed out of inversion if `is_crushed`.
+pub(in crate::physics) fn parts(load: LinkLoad, is_crushed: bool, dt_secs: f64) -> u32 {
     let margin = Margin { stiffness: SAFETY, damping: [DAMPING_SAFETY; 3] };
-    parts_for(&[load], Scheme::SemiImplicit, dt_secs, margin)
+    let bears = |parts: u32| {
+        let dt = dt_secs / f64::from(parts);
+        let pushed = PUSH_SHARE / f64::from(parts * parts) + PUSH_DAMPER_SHARE;
+        let has_room = !is_crushed || load.share_of_limit(dt) + pushed <= 1.0;
+        has_room && load.is_borne(Scheme::SemiImplicit, dt, margin)
+    };
+    (1..MAX_PARTS).find(|&parts| bears(parts)).unwrap_or(MAX_PARTS)
 }
 
 /// A symmetric matrix: xx, yy, zz, yz, zx, xy.
@@ -107,7 +128,7 @@ mod tests {
 
     use glam::{DMat3, DQuat, DVec3};
 
-    use super::{largest_eigenvalue, load};
+    use super::{MAX_PUSH_LOAD, PUSH_DAMPER_SHARE, largest_eigenvalue, load, parts};
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
     use crate::physics::limits::fastest_tests::fastest;
@@ -127,6 +148,26 @@ mod tests {
 
     fn load_of(body: &BodyModel<f64>, position: &[DVec3]) -> LinkLoad {
         load(body, position, &mut Vec::new())
+    }
+
+    #[test]
+    fn links_and_the_push_on_crushed_cells_share_the_limit() {
+        let dt = 1e-3;
+        for tenths in 1..=40 {
+            let of_limit = f64::from(tenths) / 10.0;
+            let stiff = LinkLoad { stiffness: 4.0 * of_limit / (dt * dt), damping: 0.0 };
+            let damped = LinkLoad { stiffness: 0.0, damping: 2.0 * of_limit / dt };
+            for load in [stiff, damped] {
+                let [whole, crushed] = [false, true].map(|is_crushed| parts(load, is_crushed, dt));
+                assert!(crushed >= whole, "{load:?}: {crushed} parts of crushed cells, {whole} of others");
+                let part = 1.0 / f64::from(crushed);
+                let share = part * part * (0.5 * MAX_PUSH_LOAD) + PUSH_DAMPER_SHARE + load.share_of_limit(part * dt);
+                assert!(share <= 1.0, "{load:?}: {share} of the limit");
+            }
+            let [whole, crushed] = [false, true].map(|is_crushed| parts(damped, is_crushed, dt));
+            assert!(tenths != 7 || [whole, crushed] == [1, 2], "{whole} and {crushed} parts");
+            assert_eq!(parts(stiff, true, dt), parts(stiff, false, dt), "stiff links leave the push its room");
+        }
     }
 
     #[test]

@@ -102,7 +102,8 @@ fn take_part<R: Real>(
     }
     let memory_backup = &mut workspace.memory_backup;
     memory_backup.iter_mut().zip(&state.bodies).for_each(|(copy, memory)| copy.copy_from(memory));
-    if let Some(due) = recovery::due_bodies(model, plan, state).filter(|_| plan.recovery) {
+    let due = &mut workspace.due_bodies;
+    if plan.recovery && recovery::find_due_bodies(model, plan, state, due) {
         recorder.enter(Stage::Recovery);
         recovery::check_cells(model, plan, state, due, part.secs, recorder);
     }

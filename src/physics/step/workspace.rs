@@ -28,6 +28,8 @@ pub(in crate::physics) struct StepWorkspace<R: Real> {
     pub(in crate::physics) modal: ModalWorkspace,
     /// A copy of every body's memory before the substep, which may be given up.
     pub(super) memory_backup: Vec<BodyMemory>,
+    /// Whether the cells of each body are checked before the substep.
+    pub(super) due_bodies: Vec<bool>,
 }
 
 impl<R: Real> StepWorkspace<R> {
@@ -43,6 +45,7 @@ impl<R: Real> StepWorkspace<R> {
             forces: ForceWorkspace::new(model, plan),
             modal: ModalWorkspace::new(model, plan),
             memory_backup: memory_backup_room(model),
+            due_bodies: Vec::with_capacity(model.bodies.len()),
         }
     }
 

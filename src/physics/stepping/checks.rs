@@ -13,25 +13,16 @@ const CHECK_INTERVAL_SECS: f64 = FRAME_SECS;
 /// not on the list then is still above the threshold, even if it is crushed along all its axes at once.
 const MAX_UNCHECKED_MOTION: f64 = 0.2;
 
-/// Whether it is time to check bodies that were well at the last check: after every [`CHECK_INTERVAL_SECS`], sooner where
-/// their particles move fast relative to each other.
-pub(in crate::physics) fn is_check_due<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> bool {
-    is_due_every(plan, state, check_interval_secs(model, plan, state))
-}
-
-/// The same where the relative speeds of the bodies' particles are known: `max_relative_speeds`, m/s.
-pub(in crate::physics) fn is_check_due_at<R: Real>(
-    model: &Model<R>,
+/// Whether it is time to check a body that was well at the last check: after every [`CHECK_INTERVAL_SECS`], sooner where its
+/// particles move fast relative to each other, at most by `max_relative_speed` (m/s). `taken` is [`substeps_taken`].
+pub(in crate::physics) fn is_check_due<R: Real>(
+    body: &BodyModel<R>,
     plan: &Plan,
-    state: &State<R>,
-    max_relative_speeds: &[f64],
+    taken: u64,
+    max_relative_speed: f64,
 ) -> bool {
-    let secs = model
-        .bodies
-        .iter()
-        .zip(max_relative_speeds)
-        .map(|(body, max_relative_speed)| body_check_interval_secs(body, *max_relative_speed));
-    is_due_every(plan, state, secs.fold(CHECK_INTERVAL_SECS, f64::min))
+    let secs = body_check_interval_secs(body, max_relative_speed).min(CHECK_INTERVAL_SECS);
+    taken.is_multiple_of(substeps_in(plan, secs, libm::round))
 }
 
 /// How long bodies may go without a check at the present relative speeds of their particles, s.
@@ -72,8 +63,7 @@ pub(in crate::physics) fn substeps_in(plan: &Plan, secs: f64, round: fn(f64) -> 
     count
 }
 
-/// Whether the number of substeps taken since the start is a multiple of those that last `secs` (s).
-pub(in crate::physics) fn is_due_every<R: Real>(plan: &Plan, state: &State<R>, secs: f64) -> bool {
-    let taken = plan.substeps_by(state.steps).wrapping_add(u64::from(state.substep));
-    taken.is_multiple_of(substeps_in(plan, secs, libm::round))
+/// Returns how many substeps were taken since the start.
+pub(in crate::physics) fn substeps_taken<R: Real>(plan: &Plan, state: &State<R>) -> u64 {
+    plan.substeps_by(state.steps).wrapping_add(u64::from(state.substep))
 }

@@ -19,6 +19,8 @@
 
 pub(in crate::physics) mod checks;
 pub(in crate::physics) mod strain;
+#[cfg(test)]
+mod strain_tests;
 
 use super::contact::{ContactWorkspace, Placed, arrive, bodies, samples, sweep};
 use super::forces::ForceWorkspace;
@@ -285,8 +287,8 @@ impl Division {
     ) {
         let StepWorkspace { velocity, forces, .. } = workspace;
         let motion = StraightMotion { position: &state.position, velocity, secs: R::from_f64(self.secs) };
-        let parts_by_displacement =
-            strain::check_strain(model, plan, strain::CheckedBodies::All, motion, &mut state.bodies, forces);
+        let check = strain::Check::BeforeSubstep(&|_| true);
+        let parts_by_displacement = strain::check_strain(model, plan, check, motion, &mut state.bodies, forces);
         let parts = self.strain_policy.strained_parts.max(parts_by_displacement);
         (self.parts, self.left, self.secs) = (parts, parts, self.secs / f64::from(parts));
         self.tears = true;

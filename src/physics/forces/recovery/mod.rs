@@ -41,7 +41,7 @@ mod soft_links;
 pub(in crate::physics) use account::track_energy;
 pub(in crate::physics) use resistance::{Resistance, energy_past_work, resistances};
 pub(in crate::physics) use rotation::nearest_rotation;
-pub(in crate::physics) use soft_links::RecoveryWorkspace;
+pub(in crate::physics) use soft_links::{RecoveryWorkspace, families_are_far_apart};
 
 use edges::{MeanEdges, Strength, VOLUME_THRESHOLD, add_edge_forces, is_inverted, mean_edges};
 use soft_links::soften;
@@ -56,23 +56,23 @@ use crate::physics::step::substep::Substep;
 use crate::physics::stepping::checks;
 use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
-/// The bodies whose cells are checked before a substep.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::physics) enum DueBodies {
-    /// Bodies with cells on their lists.
-    Watched,
-    /// All bodies.
-    All,
-}
-
-/// Returns which bodies are checked in this substep, if any.
-pub(in crate::physics) fn due_bodies<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> Option<DueBodies> {
-    let is_time = || checks::is_check_due(model, plan, state);
-    match state.bodies.iter().any(BodyMemory::is_watched) {
-        _ if !plan.lean || is_time() => Some(DueBodies::All),
-        true => Some(DueBodies::Watched),
-        false => None,
-    }
+/// Finds the bodies whose cells are checked before this substep: those with cells on their lists, and others from time to
+/// time. Returns whether there are any.
+pub(in crate::physics) fn find_due_bodies<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    state: &State<R>,
+    due: &mut Vec<bool>,
+) -> bool {
+    let taken = checks::substeps_taken(plan, state);
+    let is_time =
+        |body: &BodyModel<R>| checks::is_check_due(body, plan, taken, checks::max_relative_speed(body, plan, state));
+    let is_due = |(body, memory): (&BodyModel<R>, &BodyMemory)| {
+        !memory.asleep && (memory.is_watched() || !plan.lean || is_time(body))
+    };
+    due.clear();
+    due.extend(model.bodies.iter().zip(&state.bodies).map(is_due));
+    due.contains(&true)
 }
 
 /// Checks all cells of the bodies that are due before a substep of `secs`, lists those near inversion, and updates which
@@ -81,18 +81,17 @@ pub(in crate::physics) fn check_cells<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     state: &mut State<R>,
-    due: DueBodies,
+    due: &[bool],
     secs: f64,
     recorder: &mut Recorder<'_>,
 ) {
-    let is_due = |memory: &BodyMemory| !memory.asleep && (due == DueBodies::All || memory.is_watched());
     let State { position, velocity, bodies, .. } = state;
-    let checked = model.bodies.iter().zip(&*bodies).filter(|(_, memory)| is_due(memory));
-    let cells = checked.filter(|(body, _)| recovers(body)).map(|(body, _)| body.lattice.cells.len() as u64);
-    recorder.counters.cells_looked_at += cells.sum::<u64>();
+    let checked = model.bodies.iter().zip(due).filter(|(body, is_due)| **is_due && recovers(body));
+    recorder.counters.cells_looked_at += checked.map(|(body, _)| body.lattice.cells.len() as u64).sum::<u64>();
     let (position, velocity) = (&*position, &*velocity);
     team::for_body_ranges(plan.threads, MIN_CONTACT_PARTICLES, model, (&mut bodies[..], ()), |these, memories, ()| {
-        for (body, memory) in model.bodies[these].iter().zip(memories).filter(|(_, memory)| is_due(memory)) {
+        for (number, memory) in these.zip(memories).filter(|(number, _)| due[*number]) {
+            let body = &model.bodies[number];
             let own = [position, velocity].map(|of| &of[body.particles.clone()]);
             check_body(body, plan, own, secs, memory);
         }
@@ -129,6 +128,16 @@ fn check_body<R: Real>(
     }
     pull::update_stuck(body, memory, extremes, position, velocity, secs);
     pull::raise_pull_share(body, memory, position);
+}
+
+/// A body whose particles have less than this share of a cell's stiffness against inversion as mean kinetic energy is nearly
+/// still. What lies on crushed cells then comes to rest in short substeps, whose damper is the strongest; in longer ones it
+/// trembles, unseen, and never falls asleep.
+const STILL_ENERGY_SHARE: f64 = 1e-5;
+
+/// Whether a body is nearly still but for the motion of the whole along a line.
+pub(in crate::physics) fn is_nearly_still<R: Real>(body: &BodyModel<R>, state: &State<R>) -> bool {
+    soft_links::kinetic_share(body, &state.velocity[body.particles.clone()]) < STILL_ENERGY_SHARE
 }
 
 /// Whether any cell of a body is pushed in this state.

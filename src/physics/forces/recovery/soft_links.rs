@@ -36,6 +36,9 @@ use crate::physics::state::BodyMemory;
 /// Losing all of it would leave nothing to put a body in order that was crushed to a point.
 const MAX_SOFTNESS: f64 = 0.99;
 
+/// Families are far apart if such links lose more than this: one is ten times as stiff as the other.
+const FAR_APART_SOFTNESS: f64 = 0.9 * MAX_SOFTNESS;
+
 /// The damping that such links get instead, over `k dt`. In semi-implicit Euler a half limits the step as much as the
 /// elastic force that was taken away; at three quarters Verlet, which counts damping twice, kept cubes broken.
 const FLOW_DAMPING: f64 = 0.5;
@@ -123,7 +126,9 @@ pub(super) fn for_each_soft_link<R: Real>(
     if crushed.peek().is_none() {
         return;
     }
-    if !is_calm(body, velocity) {
+    // In a body that moves so little soft links can do no harm.
+    let is_calm = kinetic_share(body, velocity) < CALM_ENERGY_SHARE;
+    if !is_calm {
         return;
     }
     let RecoveryWorkspace { softness, soft } = workspace;
@@ -168,15 +173,21 @@ fn links_from<'a, R: Real>(links: &'a [Link<R>], particles: &'a [u32]) -> impl I
     })
 }
 
-/// Whether a body moves so little that soft links can do no harm.
-fn is_calm<R: Real>(body: &BodyModel<R>, velocity: &[R::Vec3]) -> bool {
+/// Returns the mean kinetic energy of a body's particles, without that of the whole body's motion along a line, over a cell's
+/// stiffness against inversion.
+pub(super) fn kinetic_share<R: Real>(body: &BodyModel<R>, velocity: &[R::Vec3]) -> f64 {
     let count = velocity.len().max(1) as f64;
     let mean = velocity.iter().fold(R::Vec3::ZERO, |sum, v| sum + *v) * R::from_f64(1.0 / count);
     let twice = velocity.iter().enumerate().fold(0.0, |sum, (local, v)| {
         let past = *v - mean;
         sum + body.mass(local).to_f64() * past.dot(past).to_f64()
     });
-    0.5 * twice < CALM_ENERGY_SHARE * count * body.recovery.stiffness.to_f64()
+    0.5 * twice / (count * body.recovery.stiffness.to_f64())
+}
+
+/// Whether links between particles of inverted cells lose nearly all of their force.
+pub(in crate::physics) fn families_are_far_apart<R: Real>(body: &BodyModel<R>) -> bool {
+    max_softness(body) > R::from_f64(FAR_APART_SOFTNESS)
 }
 
 /// Returns the share of their elastic force that links between particles of inverted cells lose: it grows with the gap
