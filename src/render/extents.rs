@@ -12,7 +12,7 @@ use crate::view::{DrawList, Solid};
 pub(super) struct Extents {
     /// The bounding box of each skin, in their order, m; empty for absent bodies and for skins without finite particles.
     pub(super) skins: Vec<Aabb<f32>>,
-    /// The bounding box of all skins and closed obstacles, m.
+    /// The bounding box of closed obstacles and of all skins but those that fell past everything, m.
     pub(super) core: Aabb<f32>,
     /// The largest side of the smallest of them, m; infinite if there are none.
     pub(super) smallest: f32,
@@ -29,7 +29,13 @@ impl Extents {
             })
             .collect();
         let closed = draw_list.solids.iter().filter(|solid| !solid.is_plane());
-        let all = skins.iter().copied().filter(is_finite_box).chain(closed.map(Solid::bounds));
+        // A skin beyond all obstacles, as the light goes, darkens none of them. A kilometre below it would leave the map of
+        // shadows a few texels for everything else.
+        let along_light = |of: &Aabb<f32>| corners(*of).map(|corner| corner.dot(draw_list.light.direction));
+        let lowest = draw_list.solids.iter().flat_map(|solid| along_light(&solid.bounds())).reduce(f32::min);
+        let fell_past = |skin: &Aabb<f32>| lowest.is_some_and(|lowest| along_light(skin).iter().all(|at| *at < lowest));
+        let near = skins.iter().copied().filter(|skin| is_finite_box(skin) && !fell_past(skin));
+        let all = near.chain(closed.map(Solid::bounds));
         let (core, smallest) = all.fold((Aabb::empty(), f32::INFINITY), |(core, smallest), one| {
             (core.joined(one), smallest.min(one.size().max_element()))
         });
@@ -69,8 +75,20 @@ mod tests {
             "with the sphere"
         );
         assert!((extents.smallest - 0.5).abs() < 1e-6, "the sphere is the smallest, not {}", extents.smallest);
-        let absent = DrawList { absent: vec![0..3, 3..4], ..draw_list };
+        let absent = DrawList { absent: vec![0..3, 3..4], ..draw_list.clone() };
         let extents = Extents::new(std::iter::once(0..3), &absent);
         assert_eq!(extents.core, absent.solids[0].bounds(), "a body that is absent");
+    }
+    #[test]
+    fn what_fell_past_all_obstacles_leaves_the_map_to_the_rest() {
+        let floor = Solid::Plane { center: Vec3::ZERO, axes: [Vec3::X, Vec3::NEG_Z], half_extents: [5.0; 2] };
+        let core_with = |height: f32, solids: Vec<Solid>| {
+            let particles = vec![[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [7.0, height, 0.0], [8.0, height + 1.0, 1.0]];
+            let draw_list = DrawList { particles: Arc::new(particles), solids, ..DrawList::default() };
+            Extents::new([0..2, 2..4].into_iter(), &draw_list).core
+        };
+        assert!(core_with(-500.0, vec![floor.clone()]).min.y > -0.1, "a body far below the floor");
+        assert!((core_with(-1.0, vec![floor]).min.y + 1.0).abs() < 1e-6, "one that falls past its edge");
+        assert!((core_with(-500.0, Vec::new()).min.y + 500.0).abs() < 1e-6, "without obstacles all count");
     }
 }
