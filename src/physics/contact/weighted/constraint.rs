@@ -128,9 +128,9 @@ impl PointConstraint {
         }
         let thrown = movers.fastest(shares).filter(|of| of.speed_per_impulse.abs() > MAX_THROW_RATIO * along);
         // What each of many points of a held cell asks for adds up at its free corners.
-        let damped = thrown.map_or(along, |of| of.speed_per_impulse.abs() / MAX_THROW_RATIO);
+        let damped_mobility = thrown.map_or(along, |of| of.speed_per_impulse.abs() / MAX_THROW_RATIO);
         let side_speed = |of: Fastest| movers.side_velocity(shares, of.speed_per_impulse).dot(normal);
-        let damping = 2.0 * law.damping_ratio * (law.stiffness / damped).sqrt();
+        let damping = 2.0 * law.damping_ratio * (law.stiffness / damped_mobility).sqrt();
         let resistance = dt * (dt * law.stiffness + damping);
         let SpringBefore { depth, pressed, leaving_speed } = spring;
         // A contact that already leaves fast is not parted: in a soft, light body each cell would be parted from the next,
