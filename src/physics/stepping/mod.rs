@@ -26,6 +26,7 @@ use super::contact::{ContactWorkspace, Placed, arrive, bodies, samples, sweep};
 use super::forces::ForceWorkspace;
 use super::forces::strain::StraightMotion;
 use super::interaction::Grab;
+use super::limits::any_state::MAX_PARTS;
 use super::model::plan::{MOST_HALVINGS, Plan};
 use super::model::{Model, Scheme};
 use super::modes;
@@ -289,7 +290,7 @@ impl Division {
         let motion = StraightMotion { position: &state.position, velocity, secs: R::from_f64(self.secs) };
         let check = strain::Check::BeforeSubstep(&|_| true);
         let parts_by_displacement = strain::check_strain(model, plan, check, motion, &mut state.bodies, forces);
-        let parts = self.strain_policy.strained_parts.max(parts_by_displacement);
+        let parts = self.strain_policy.strained_parts.max(parts_by_displacement.min(MAX_PARTS));
         (self.parts, self.left, self.secs) = (parts, parts, self.secs / f64::from(parts));
         self.tears = true;
     }

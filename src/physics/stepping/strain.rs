@@ -38,8 +38,9 @@ const CALM_SUBSTEPS: u64 = 100;
 const LOAD_DECAY: f64 = 0.98;
 
 /// How far the ends of a link in a strained body move relative to each other in a part at most, in its length: a link that
-/// turns about or is turned inside out within a step is stiffer on the way than at either end.
-const MAX_LINK_DISPLACEMENT: f64 = 0.5;
+/// turns about or is turned inside out within a step is stiffer on the way than at either end. A cube of one undamped cell,
+/// torn by a blow at 1000 m/s, gained 7 % in a second at a half, nothing at 0.35.
+const MAX_LINK_DISPLACEMENT: f64 = 0.25;
 
 /// Into how many parts substeps are divided while a body is strained.
 #[derive(Clone, Copy, Debug)]
@@ -115,6 +116,7 @@ pub(in crate::physics) fn parts_before_substep<R: Real>(
         let motion = StraightMotion { position, velocity, secs: R::from_f64(plan.substep_secs()) };
         parts_by_displacement = check_strain(model, plan, Check::BeforeSubstep(&is_due), motion, bodies, forces);
     }
+    let parts_by_displacement = parts_by_displacement.min(strain_policy.parts_at_rest.saturating_mul(MAX_PARTS));
     let needed = strain_policy.needed_parts(model, plan, state);
     // Where links turn far in the substep, their present directions do not matter.
     needed.map_or(parts_by_displacement, |needed| {
@@ -249,5 +251,5 @@ pub(in crate::physics) fn check_strain<R: Real>(
     });
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
     let parts = libm::ceil(max_displacement / MAX_LINK_DISPLACEMENT) as u32;
-    parts.clamp(1, MAX_PARTS)
+    parts.max(1)
 }
