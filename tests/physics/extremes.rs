@@ -130,7 +130,8 @@ fn scenes_that_once_exploded_do_not() {
         (1_625_107_691, 7967),
         (3_345_416_435, 4207),
     ];
-    // A bowl that begins deep within a ball, and is parted from rest; a plane that sweeps through the pinned half of a model.
+    // A bowl that begins deep within a ball and is parted from rest: the work of n pushes goes as n², its motion half a push
+    // later as (n + 1/2)². A plane that sweeps through the pinned half of a model.
     // A cylinder that pinches particles of next to no links against planes; links that turn about in long substeps.
     let fourth = [(887_961_642, 304), (887_961_642, 3958), (3_376_194_074, 287), (692_774_577, 2303)];
     let editions = [

@@ -50,16 +50,6 @@ fn a_body_that_is_squeezed_may_leave_faster_than_it_is_pushed() {
 }
 
 #[test]
-fn a_body_that_an_obstacle_parts_from_rest_has_gained_nothing() {
-    // A bowl of a kilometre that begins within a ball of four: the work of n pushes goes as n², their motion half a push later
-    // as (n + 1/2)².
-    let (scene, disturbances) = extreme_of(Edition::Fourth, 887_961_642, 304);
-    let lattices = lattices(&scene).expect("sound shapes");
-    let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, PATIENCE);
-    assert_eq!(verdict.fault, None, "{verdict:?}");
-}
-
-#[test]
 fn a_body_that_falls_out_after_it_was_put_back_has_gained_nothing() {
     let (scene, disturbances) = extreme_of(Edition::Second, 2_950_612_423, 4861);
     let lattices = lattices(&scene).expect("sound shapes");
