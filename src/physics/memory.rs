@@ -1,7 +1,7 @@
 //! Predicts the memory of a simulation before it is made, from counts of particles, links and cells.
 
 use super::contact::{
-    BYTES_A_PARTICLE_AND_MESH, BYTES_A_POINT, BodyContact, ContactConstraint, ContactRecord,
+    BYTES_A_PARTICLE_AND_MESH, BYTES_A_POINT, BodyContact, ContactRecord, ParticleConstraint,
     SURFACE_PARTICLES_A_CONTACT, SampleContact,
 };
 use super::model::Link;
@@ -89,7 +89,7 @@ const SOLVED_CONTACT_BYTES: usize = 8 * size_of::<(u32, f64)>() + 400;
 
 fn motion_bytes(body: &LatticeCounts, size: Size) -> usize {
     let [of_stages, constraint] = match size.scheme {
-        Some(Scheme::Implicit) => [0, size_of::<ContactConstraint>()],
+        Some(Scheme::Implicit) => [0, size_of::<ParticleConstraint>()],
         Some(Scheme::Stabilised) => [STAGE_BYTES * body.particles + size_of::<HeldParticle<f32>>() * body.surface, 0],
         _ => [0; 2],
     };

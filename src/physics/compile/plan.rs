@@ -122,9 +122,10 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     Plan { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
 }
 
-/// How substeps of `secs` (s) are taken in which bodies come near each other or themselves. Contact between bodies is an
-/// impulse on predicted velocities. Schemes that have no place for it leave such substeps to the default scheme, in parts,
-/// where steps are `divided`. Where they are not, or would need too many parts, there is no contact between bodies.
+/// How substeps of `secs` (s) are taken in which bodies come near each other or themselves. The implicit scheme may solve for
+/// them, unless modal bodies are among them. For the others contact between bodies is an impulse on predicted velocities.
+/// Schemes that have no place for it leave such substeps to the default scheme, in parts, where steps are `divided`. Where they
+/// are not, or would need too many parts, there is no contact between bodies.
 fn body_contact_plan<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
@@ -137,7 +138,16 @@ fn body_contact_plan<R: Real>(
         return None;
     }
     let takes_impulses = !matches!(scheme, Scheme::Implicit | Scheme::Stabilised);
-    impulse_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses)
+    let plan = impulse_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses);
+    let is_solved_for = scheme == Scheme::Implicit && model.bodies.iter().all(|body| body.modal.is_none());
+    if !is_solved_for {
+        return plan;
+    }
+    // Where the default scheme would need too many parts, or steps are not divided, every such substep is solved for.
+    let (scheme, parts) = if divided { (Scheme::SemiImplicit, u32::MAX) } else { (scheme, 1) };
+    let solved = BodyContactPlan { scheme, parts, strained_parts: parts, parts_a_solve: None };
+    let parts_a_solve = if divided { scheme_cost::parts_a_solve(model, semi_implicit, secs) } else { 0.0 };
+    Some(BodyContactPlan { parts_a_solve: Some(parts_a_solve), ..plan.unwrap_or(solved) })
 }
 
 /// The same for substeps in which points of a body's mesh come near an obstacle. Their contact is found on the particles'
@@ -166,7 +176,7 @@ fn impulse_contact_plan<R: Real>(
 ) -> Option<BodyContactPlan> {
     if takes_impulses {
         let strained_parts = if divided { any_state::parts(model, scheme, secs) } else { 1 };
-        return Some(BodyContactPlan { scheme, parts: 1, strained_parts });
+        return Some(BodyContactPlan { scheme, parts: 1, strained_parts, parts_a_solve: None });
     }
     if !divided {
         return None;
@@ -179,7 +189,7 @@ fn impulse_contact_plan<R: Real>(
     let parts = libm::ceil(parts) as u32;
     let scheme = Scheme::SemiImplicit;
     let strained_parts = parts.saturating_mul(any_state::parts(model, scheme, secs / f64::from(parts)));
-    Some(BodyContactPlan { scheme, parts, strained_parts })
+    Some(BodyContactPlan { scheme, parts, strained_parts, parts_a_solve: None })
 }
 
 /// The longest span, s, and the most steps in it: substeps need not end with every step, so that fewer are enough. Steps of 1

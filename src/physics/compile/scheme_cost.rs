@@ -40,6 +40,9 @@ const ITERATION_PARTICLE_COST: f64 = 15.0;
 /// Rounds of the solver in a step in which bodies may meet obstacles, on average over falls, landings and rest.
 const ROUNDS_AMONG_OBSTACLES: f64 = 1.5;
 
+/// How many times as many where bodies touch each other.
+const ROUNDS_AMONG_BODIES: f64 = 1.5;
+
 /// Iterations for each cell along the body until information has crossed it.
 const ITERATIONS_PER_CELL: f64 = 8.0;
 
@@ -66,6 +69,12 @@ pub(super) fn of<R: Real>(
         Scheme::SemiImplicit | Scheme::Explicit | Scheme::Verlet => evaluation_cost(model),
     };
     SchemeCost { scheme, substep_secs, cost_per_sec: substep / substep_secs }
+}
+
+/// How many evaluations of all forces cost as much as a solve of the implicit scheme, in substeps of `secs` (s), in which
+/// bodies touch each other.
+pub(super) fn parts_a_solve<R: Real>(model: &Model<R>, semi_implicit: &SceneLimits, secs: f64) -> f64 {
+    ROUNDS_AMONG_BODIES * solve_cost(model, condition_number(semi_implicit, secs)) / evaluation_cost(model)
 }
 
 impl SchemeCost {

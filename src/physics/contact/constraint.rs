@@ -1,16 +1,33 @@
-//! The contact constraint of the implicit scheme: what an obstacle does to a particle within a system of equations that
-//! is solved again and again.
+//! The contact constraint of the implicit scheme: what contact does to a point within a system of equations that is solved
+//! again and again.
 
 use glam::{DMat3, DVec3};
 
 /// Relative tolerance: friction this close to Coulomb's law counts as right.
 const FRICTION_TOLERANCE: f64 = 1e-3;
 
-/// How many times stiffer the depth limit is than the particle and its links. The solution exceeds the limit by that much
+/// How many times stiffer the depth limit is than the point's particles and their links. The solution exceeds the limit by that much
 /// less than it would without it; the rest is taken away after the solve.
 const DEPTH_LIMIT_RATIO: f64 = 1e4;
 
-/// A particle at an obstacle within one implicit substep, in double precision.
+/// The sliding speed at which friction has 0.7 of Coulomb's strength, as a share of the body's size in a second. A held
+/// point creeps this fast, too slowly to be seen.
+const CREEP_SPEED_SHARE: f64 = 1e-9;
+
+/// The same as a share of the speed with which the contact begins the substep: friction that stops a point leaves it that much
+/// of its speed, and in the next substeps that much of what is left. Where many points of two bodies meet, friction may be
+/// shared out in many ways, and without this the rounds of solving do not settle between them while bodies hit each other.
+const MOTION_CREEP_SHARE: f64 = 1e-3;
+
+/// A point slower than this share of its body's size in a second counts as stopped.
+const STOPPED_SPEED_SHARE: f64 = 1e-7;
+
+/// A point that slides by more than this share of its body's size in a second when a substep begins feels dynamic friction
+/// throughout the substep; others feel static friction.
+const STILL_SPEED_SHARE: f64 = 1e-3;
+
+/// A point in contact within one implicit substep, in double precision: a particle at an obstacle, or a point of a body in a
+/// cell, whose velocity is then relative to the cell.
 ///
 /// With the sliding velocity s and the limit `L = μ N`, the impulse of friction −λ is to fulfil `λ r = L s` with `r² =
 /// s² + creep²`: Coulomb's law but for a creep. Newton's method on that equation with both s and λ as unknowns, made
@@ -19,50 +36,158 @@ const DEPTH_LIMIT_RATIO: f64 = 1e4;
 /// image restoration", 1999).
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct ContactConstraint {
-    /// The particle, in the state's arrays.
-    pub(in crate::physics) particle: usize,
-    pub(super) obstacle: usize,
-    /// Unit normal, away from the obstacle.
+    /// Unit normal, away from what it meets.
     pub(super) normal: DVec3,
-    pub(super) gap: f64,
     pub(super) surface_velocity: DVec3,
     /// Change of the normal impulse with the normal velocity, `dt² k + dt d`, kg.
-    pub(super) resistance: f64,
-    /// The normal impulse on a particle that stays where it is, N·s.
-    pub(super) impulse_at_rest: f64,
+    resistance: f64,
+    /// The normal impulse on a point that stays where it is, N·s.
+    impulse_at_rest: f64,
+    /// How it is parted from what it is deep inside, if it is.
+    parting: Option<Parting>,
     /// The least velocity along the normal that ends the substep no deeper than the limit, or than where it began, m/s.
-    pub(super) min_normal_velocity: f64,
-    /// Impulse per velocity below `min_normal_velocity`, kg; zero until the resistance of the particle itself is known.
-    pub(super) depth_limit_resistance: f64,
+    min_normal_velocity: f64,
+    /// Impulse per velocity below `min_normal_velocity`, kg; zero until the resistance of the point itself is known.
+    depth_limit_resistance: f64,
     /// Coulomb's coefficient in this substep.
-    pub(super) friction: f64,
+    friction: f64,
     /// The creep in `r`, m/s.
-    pub(super) creep_speed: f64,
-    /// The sliding speed up to which the particle counts as stopped, m/s.
-    pub(super) stopped_speed: f64,
-    /// Whether it pushes; otherwise the particle leaves.
-    pub(super) pushes: bool,
-    /// Whether the particle is held at the limit of its depth.
-    pub(super) is_at_depth_limit: bool,
+    creep_speed: f64,
+    /// The sliding speed up to which the point counts as stopped, m/s.
+    stopped_speed: f64,
+    /// Whether it pushes; otherwise the point leaves.
+    pushes: bool,
+    /// Whether the point is held at the limit of its depth.
+    is_at_depth_limit: bool,
+    /// The part of the spring's law that the equations have.
+    piece: SpringPiece,
     /// The normal impulse, N·s.
-    pub(super) normal_impulse: f64,
+    normal_impulse: f64,
     /// λ, N·s: the impulse of friction with its sign reversed.
-    pub(super) drag: DVec3,
-    /// Momentum that it takes from the particle per velocity, kg: symmetric.
-    pub(super) matrix: DMat3,
-    /// The impulse on a particle that has the velocity of the surface, N·s.
-    pub(super) bias: DVec3,
+    drag: DVec3,
+    /// Momentum that it takes from the point per velocity, kg: symmetric.
+    matrix: DMat3,
+    /// The impulse on a point that has the velocity of the surface, N·s.
+    bias: DVec3,
     /// The impulse in the last solution, N·s.
     pub(super) impulse: DVec3,
 }
 
+/// How a point that is deeper than its spring is pressed is parted from what it is in.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct Parting {
+    /// The speed at which it leaves, m/s.
+    pub(super) speed: f64,
+    /// The largest impulse for that, N·s.
+    pub(super) max_impulse: f64,
+}
+
+/// A straight piece of the law of a spring: `impulse_at_rest − resistance × velocity`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::physics) struct SpringPiece {
+    impulse_at_rest: f64,
+    resistance: f64,
+}
+
+impl SpringPiece {
+    fn impulse_at(self, normal_velocity: f64) -> f64 {
+        self.impulse_at_rest - self.resistance * normal_velocity
+    }
+}
+
+/// What a constraint is made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ConstraintLaw {
+    /// Unit normal, away from what it meets.
+    pub(super) normal: DVec3,
+    /// The velocity of what it meets, m/s.
+    pub(super) surface_velocity: DVec3,
+    /// Change of the normal impulse with the normal velocity, kg.
+    pub(super) resistance: f64,
+    /// The normal impulse on a point that stays where it is, N·s.
+    pub(super) impulse_at_rest: f64,
+    /// How it is parted from what it is deep inside, if it is.
+    pub(super) parting: Option<Parting>,
+    /// The least velocity along the normal, m/s.
+    pub(super) min_normal_velocity: f64,
+    /// Coulomb's coefficients, at rest and sliding.
+    pub(super) friction: [f64; 2],
+    /// The size of the body, of the smaller one of two, m.
+    pub(super) size: f64,
+}
+
+/// A particle at an obstacle, and its constraint.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct ParticleConstraint {
+    /// Its body, ...
+    pub(in crate::physics) body: usize,
+    /// ... and the particle, in the state's arrays.
+    pub(in crate::physics) particle: usize,
+    pub(super) obstacle: usize,
+    pub(super) gap: f64,
+    pub(in crate::physics) constraint: ContactConstraint,
+}
+
+impl ParticleConstraint {
+    /// Its place among all: by particle, and by obstacle.
+    pub(in crate::physics) fn place(&self) -> (usize, usize) {
+        (self.particle, self.obstacle)
+    }
+}
+
 impl ContactConstraint {
-    /// Returns the momentum that it takes from the particle per velocity, kg: symmetric, not negative.
+    /// Sets up a constraint for the first solve, for a point that has `velocity` and would have `free_velocity`. A constraint
+    /// that pushes only at `free_velocity` has no friction yet: how hard it will push is not known.
+    pub(super) fn new(law: ConstraintLaw, velocity: DVec3, free_velocity: DVec3) -> Self {
+        let ConstraintLaw { normal, surface_velocity, resistance, impulse_at_rest, parting, .. } = law;
+        let mut new = Self {
+            normal,
+            surface_velocity,
+            resistance,
+            impulse_at_rest,
+            parting,
+            min_normal_velocity: law.min_normal_velocity,
+            depth_limit_resistance: 0.0,
+            friction: law.friction[0],
+            creep_speed: (CREEP_SPEED_SHARE * law.size)
+                .max(MOTION_CREEP_SHARE * (velocity - surface_velocity).length()),
+            stopped_speed: STOPPED_SPEED_SHARE * law.size,
+            pushes: false,
+            is_at_depth_limit: false,
+            piece: SpringPiece::default(),
+            normal_impulse: 0.0,
+            drag: DVec3::ZERO,
+            matrix: DMat3::ZERO,
+            bias: DVec3::ZERO,
+            impulse: DVec3::ZERO,
+        };
+        if new.sliding(velocity).length() > STILL_SPEED_SHARE * law.size {
+            new.friction = law.friction[1];
+        }
+        new.normal_impulse = new.normal_impulse_at(velocity);
+        new.pushes = new.normal_impulse > 0.0 || new.normal_impulse_at(free_velocity) > 0.0;
+        new.drag = new.coulomb_drag(new.sliding(velocity));
+        new.piece = new.piece_at(velocity);
+        new.linearize(new.sliding(velocity), new.drag);
+        new
+    }
+
+    /// The impulse in the last solution, N·s.
+    pub(in crate::physics) fn solved_impulse(&self) -> DVec3 {
+        self.impulse
+    }
+
+    /// Returns the momentum that it takes from the point per velocity, kg: symmetric, not negative.
     pub(in crate::physics) fn matrix(&self) -> &DMat3 {
         &self.matrix
     }
 
-    /// Returns the impulse on a particle of this velocity by the equations as last set up, N·s.
+    /// Whether the equations have anything of it.
+    pub(in crate::physics) fn is_in_equations(&self) -> bool {
+        self.pushes
+    }
+
+    /// Returns the impulse on a point of this velocity by the equations as last set up, N·s.
     pub(in crate::physics) fn impulse(&self, velocity: DVec3) -> DVec3 {
         self.bias - self.matrix * (velocity - self.surface_velocity)
     }
@@ -84,7 +209,7 @@ impl ContactConstraint {
         relative - self.normal * relative.dot(self.normal)
     }
 
-    /// Makes the depth limit much stiffer than the particle itself, whose velocity changes by one over `resistance` (kg)
+    /// Makes the depth limit much stiffer than the point itself, whose velocity changes by one over `resistance` (kg)
     /// for every N·s.
     pub(in crate::physics) fn stiffen_depth_limit(&mut self, resistance: f64) {
         self.depth_limit_resistance = DEPTH_LIMIT_RATIO * resistance;
@@ -92,11 +217,23 @@ impl ContactConstraint {
 
     /// Returns the normal impulse by the laws of contact, N·s.
     fn normal_impulse_at(&self, velocity: DVec3) -> f64 {
-        self.spring_impulse_at(velocity).max(0.0) + self.depth_limit_impulse_at(velocity).max(0.0)
+        let sprung = self.piece_at(velocity).impulse_at(self.normal_velocity(velocity));
+        sprung.max(0.0) + self.depth_limit_impulse_at(velocity).max(0.0)
     }
 
-    fn spring_impulse_at(&self, velocity: DVec3) -> f64 {
-        self.impulse_at_rest - self.resistance * self.normal_velocity(velocity)
+    /// The piece of the spring's law for a velocity: the spring as it is pressed, or what parts the point if that is stronger.
+    fn piece_at(&self, velocity: DVec3) -> SpringPiece {
+        let &Self { impulse_at_rest, resistance, .. } = self;
+        let sprung = SpringPiece { impulse_at_rest, resistance };
+        let Some(Parting { speed, max_impulse }) = self.parting else { return sprung };
+        let along = self.normal_velocity(velocity);
+        let parted = SpringPiece { impulse_at_rest: resistance * speed, resistance };
+        let parted = if parted.impulse_at(along) > max_impulse {
+            SpringPiece { impulse_at_rest: max_impulse, resistance: 0.0 }
+        } else {
+            parted
+        };
+        if parted.impulse_at(along) > sprung.impulse_at(along) { parted } else { sprung }
     }
 
     fn depth_limit_impulse_at(&self, velocity: DVec3) -> f64 {
@@ -111,15 +248,6 @@ impl ContactConstraint {
     /// Coulomb's limit, N·s.
     pub(super) fn friction_limit(&self) -> f64 {
         self.friction * self.normal_impulse
-    }
-
-    /// Sets up the first solve, for a particle that has `velocity` and would have `free_velocity`. A constraint that pushes
-    /// only at `free_velocity` has no friction yet: how hard it will push is not known.
-    pub(super) fn begin(&mut self, velocity: DVec3, free_velocity: DVec3) {
-        self.normal_impulse = self.normal_impulse_at(velocity);
-        self.pushes = self.normal_impulse > 0.0 || self.normal_impulse_at(free_velocity) > 0.0;
-        self.drag = self.coulomb_drag(self.sliding(velocity));
-        self.linearize(self.sliding(velocity), self.drag);
     }
 
     /// λ for a sliding velocity.
@@ -144,20 +272,21 @@ impl ContactConstraint {
         let across = DMat3::from_diagonal(DVec3::ONE) - outer(n, n);
         let braking = (across * self.friction_limit() - (outer(drag, s) + outer(s, drag)) * 0.5) * over;
         let depth_limit_resistance = if self.is_at_depth_limit { self.depth_limit_resistance } else { 0.0 };
-        self.matrix = outer(n, n) * (self.resistance + depth_limit_resistance) + braking;
-        self.bias = n * (self.impulse_at_rest + depth_limit_resistance * self.min_normal_velocity)
+        self.matrix = outer(n, n) * (self.piece.resistance + depth_limit_resistance) + braking;
+        self.bias = n * (self.piece.impulse_at_rest + depth_limit_resistance * self.min_normal_velocity)
             - (drag * s.length_squared() + s * drag.dot(s)) * 0.5;
     }
 
     /// Takes over the solved velocity and linearises about it; if `carefully`, so that the next solve can only take energy
     /// out. Returns whether another solve is needed.
     pub(in crate::physics) fn relinearize(&mut self, velocity: DVec3, carefully: bool) -> bool {
-        let (pushed, was_at_depth_limit) = (self.pushes, self.is_at_depth_limit);
+        let (pushed, was_at_depth_limit, piece_before) = (self.pushes, self.is_at_depth_limit, self.piece);
         self.impulse = self.impulse(velocity);
         let sliding = self.sliding(velocity);
         self.normal_impulse = self.normal_impulse_at(velocity);
         self.pushes = self.normal_impulse > 0.0;
         self.is_at_depth_limit = self.depth_limit_impulse_at(velocity) > 0.0;
+        self.piece = self.piece_at(velocity);
         let (limit, coulomb) = (self.friction_limit(), self.coulomb_drag(sliding));
         self.drag = if pushed { self.normal * self.impulse.dot(self.normal) - self.impulse } else { coulomb };
         let strength = self.drag.length();
@@ -168,6 +297,7 @@ impl ContactConstraint {
                     || (self.drag - coulomb).length() <= FRICTION_TOLERANCE * limit);
         let within = if strength > limit { self.drag * (limit / strength) } else { self.drag };
         self.linearize(sliding, if carefully { DVec3::ZERO } else { within });
-        self.pushes != pushed || self.is_at_depth_limit != was_at_depth_limit || self.pushes && !right
+        let is_held_otherwise = self.is_at_depth_limit != was_at_depth_limit || self.piece != piece_before;
+        self.pushes != pushed || is_held_otherwise || self.pushes && !right
     }
 }

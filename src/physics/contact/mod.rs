@@ -56,7 +56,7 @@ mod workspace;
 pub(super) use bodies::BYTES_A_POINT;
 pub use bodies::{BodyContact, WeightedParticles};
 pub(super) use candidate::{respond, respond_to_paths};
-pub(super) use constraint::ContactConstraint;
+pub(super) use constraint::{ContactConstraint, ParticleConstraint};
 pub(super) use held::limit_depths;
 pub(super) use narrow::mesh::NearestPointCache;
 pub use placed::Placed;
@@ -67,5 +67,7 @@ pub(super) use solved::{find_constraints, finish_constraints};
 pub(super) use surface::Surface;
 pub(super) use swept_point::SweptPoint;
 pub use weighted::DEPTH_SHARE;
-pub(super) use weighted::{PARTING_SPEED_SHARE, STIFFNESS_OVER_MASS, pressed_at_end};
+pub(super) use weighted::{
+    PARTING_SPEED_SHARE, STIFFNESS_OVER_MASS, WeightedConstraint, WeightedConstraints, pressed_at_end,
+};
 pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace, SURFACE_PARTICLES_A_CONTACT};

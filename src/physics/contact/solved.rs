@@ -7,11 +7,11 @@
 //!          resolved as in an explicit step; nothing ends too deep
 //! ```
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::account;
 use super::candidate::{Candidate, Candidates};
-use super::constraint::ContactConstraint;
+use super::constraint::{ConstraintLaw, ContactConstraint, ParticleConstraint};
 use super::record::ContactRecord;
 use super::response;
 use super::workspace::{ContactWorkspace, ObstaclesWorkspace};
@@ -19,17 +19,6 @@ use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
 use crate::physics::step::substep::Substep;
-
-/// The sliding speed at which friction has 0.7 of Coulomb's strength, as a share of the body's size in a second. A held
-/// particle creeps this fast, too slowly to be seen.
-const CREEP_SPEED_SHARE: f64 = 1e-9;
-
-/// A particle slower than this share of its body's size in a second counts as stopped.
-const STOPPED_SPEED_SHARE: f64 = 1e-7;
-
-/// A particle that slides by more than this share of its body's size in a second when a substep begins feels dynamic
-/// friction throughout the substep; others feel static friction.
-const STILL_SPEED_SHARE: f64 = 1e-3;
 
 /// Finds the constraints of a substep in which every particle would have the velocity `free_velocity`, by particle.
 pub(in crate::physics) fn find_constraints<R: Real>(
@@ -61,41 +50,27 @@ pub(in crate::physics) fn find_constraints<R: Real>(
                 continue;
             }
             let mut candidate = Candidate::new(substep, number, particle, &mut caches[local * meshes..][..meshes]);
-            let size = body.size.to_f64();
             for &near in &broad_phase.obstacles {
                 let obstacle = near as usize;
                 let Some((surface, surface_velocity)) = candidate.surface(obstacle, free_velocity[particle]) else {
                     continue;
                 };
                 let (contact, shape) = (&body.contacts[obstacle], &model.obstacles[obstacle]);
-                let mut constraint = ContactConstraint {
-                    particle,
-                    obstacle,
+                let law = ConstraintLaw {
                     normal: surface.normal.to_dvec3(),
-                    gap: surface.gap.to_f64(),
                     surface_velocity: surface_velocity.to_dvec3(),
                     resistance: (dt * (dt * contact.stiffness + contact.damping)).to_f64(),
                     // A body put deep inside is pushed out as if it were at the limit.
                     impulse_at_rest: (dt * contact.stiffness * (-surface.gap).min(contact.depth_limit)).to_f64(),
+                    parting: None,
                     min_normal_velocity: response::min_normal_velocity(&surface, contact, dt).to_f64(),
-                    depth_limit_resistance: 0.0,
-                    friction: shape.friction_static.to_f64(),
-                    creep_speed: CREEP_SPEED_SHARE * size,
-                    stopped_speed: STOPPED_SPEED_SHARE * size,
-                    pushes: false,
-                    is_at_depth_limit: false,
-                    normal_impulse: 0.0,
-                    drag: DVec3::ZERO,
-                    matrix: DMat3::ZERO,
-                    bias: DVec3::ZERO,
-                    impulse: DVec3::ZERO,
+                    friction: [shape.friction_static, shape.friction_dynamic].map(Real::to_f64),
+                    size: body.size.to_f64(),
                 };
-                let velocity = state.velocity[particle].to_dvec3();
-                if constraint.sliding(velocity).length() > STILL_SPEED_SHARE * size {
-                    constraint.friction = shape.friction_dynamic.to_f64();
-                }
-                constraint.begin(velocity, free_velocity[particle].to_dvec3());
-                workspace.constraints.push(constraint);
+                let velocities = [state.velocity[particle], free_velocity[particle]].map(Vector::to_dvec3);
+                let constraint = ContactConstraint::new(law, velocities[0], velocities[1]);
+                let gap = surface.gap.to_f64();
+                workspace.constraints.push(ParticleConstraint { body: number, particle, obstacle, gap, constraint });
             }
             candidate.tests.count(&mut recorder.counters);
         }
@@ -117,7 +92,8 @@ pub(in crate::physics) fn finish_constraints<R: Real>(
         while let Some(own) = constraints.next_if(|own| body.particles.contains(&own[0].particle)) {
             let particle = own[0].particle;
             // A particle that should be pushed and is not is resolved below, with those that touched nothing before.
-            if own.iter().any(ContactConstraint::is_left_out) && own.iter().all(|own| own.impulse == DVec3::ZERO) {
+            let are_left_out = own.iter().any(|own| own.constraint.is_left_out());
+            if are_left_out && own.iter().all(|own| own.constraint.impulse == DVec3::ZERO) {
                 continue;
             }
             let over_dt = R::ONE / dt;
@@ -126,12 +102,12 @@ pub(in crate::physics) fn finish_constraints<R: Real>(
             let mut candidate = Candidate::new(substep, number, particle, caches);
             let first = workspace.contacts.len();
             for obstacle in 0..model.obstacles.len() {
-                let record = match own.iter().find(|constraint| constraint.obstacle == obstacle) {
-                    Some(constraint) => Some(ContactRecord {
+                let record = match own.iter().find(|own| own.obstacle == obstacle) {
+                    Some(ParticleConstraint { gap, constraint, .. }) => Some(ContactRecord {
                         particle,
                         obstacle,
                         normal: R::Vec3::from_dvec3(constraint.normal),
-                        gap: R::from_f64(constraint.gap),
+                        gap: R::from_f64(*gap),
                         surface_velocity: R::Vec3::from_dvec3(constraint.surface_velocity),
                         force: R::Vec3::from_dvec3(constraint.impulse) * over_dt,
                     }),
@@ -153,7 +129,7 @@ pub(in crate::physics) fn finish_constraints<R: Real>(
             }
             candidate.tests.count(&mut recorder.counters);
             recorder.counters.frictions +=
-                own.iter().filter(|constraint| constraint.friction_limit() > 0.0).count() as u64;
+                own.iter().filter(|own| own.constraint.friction_limit() > 0.0).count() as u64;
         }
     }
     Candidates { substep, workspace, recorder }.resolve_all(velocity);
@@ -199,7 +175,7 @@ mod tests {
         let mut recorder = Recorder::new(timer);
         let mut velocity = vec![DVec3::NEG_Y; model.particle_count()];
         find_constraints(substep, &velocity, &mut workspace, &mut recorder);
-        for constraint in &mut workspace.constraints {
+        for ParticleConstraint { constraint, .. } in &mut workspace.constraints {
             // In one round the particle leaves, in the last it is pressed in again.
             constraint.relinearize(DVec3::Y, false);
             constraint.relinearize(DVec3::NEG_Y, false);

@@ -2,7 +2,7 @@
 
 use super::bodies::BodiesWorkspace;
 use super::broad::BroadPhase;
-use super::constraint::ContactConstraint;
+use super::constraint::ParticleConstraint;
 use super::distance_cache::DISTANCE_CACHE_BYTES;
 use super::narrow::mesh::NearestPointCache;
 use super::record::ContactRecord;
@@ -89,7 +89,7 @@ pub(crate) struct ContactWorkspace<R: Real> {
     /// which a side is remembered, and all before the first substep.
     pub(super) marked_near: Vec<bool>,
     /// The constraints of the implicit integrator, by particle.
-    pub(in crate::physics) constraints: Vec<ContactConstraint>,
+    pub(in crate::physics) constraints: Vec<ParticleConstraint>,
     /// Workspace and results of contact between bodies.
     pub(in crate::physics) bodies: BodiesWorkspace<R>,
     /// Workspace and results of contact on meshes of bodies.

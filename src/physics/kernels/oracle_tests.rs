@@ -430,7 +430,7 @@ fn boxed_product<R: Real>(
     cuts: &[f64],
     of: &[DVec3],
 ) -> (Vec<f64>, Vec<DVec3>) {
-    let mut tangents = Tangents::new(std::iter::once(links));
+    let mut tangents = Tangents::new(Some(links));
     let (mut diagonal, mut product) = (vec![0.0; of.len()], vec![DVec3::ZERO; of.len()]);
     tangents.assemble(links, choice, DT, position, |particle, third| diagonal[particle] += third);
     let links = links.in_double();

@@ -45,12 +45,9 @@ pub(in crate::physics) fn tangent_bytes(links: usize, corners: usize) -> usize {
 }
 
 impl<R: Real> Tangents<R> {
-    /// Allocates room for the largest of some bodies.
-    pub(in crate::physics) fn new<'a>(bodies: impl Iterator<Item = &'a BoxedLinks<R>>) -> Self {
-        let [terms, corners] = bodies.fold([0; 2], |[terms, corners], links| {
-            let layout = &links.layout;
-            [layout.terms.len().max(terms), layout.corners.max(corners)]
-        });
+    /// Allocates room for the links of a body, if it has a box.
+    pub(in crate::physics) fn new(links: Option<&BoxedLinks<R>>) -> Self {
+        let [terms, corners] = links.map_or([0; 2], |links| [links.layout.terms.len(), links.layout.corners]);
         let zeros = [R::ZERO; BLOCK];
         Self {
             blocks: vec![TermBlocks { across: zeros, along: [zeros; 3] }; terms],

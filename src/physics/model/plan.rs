@@ -102,15 +102,18 @@ impl StageRates {
 pub const MOST_PARTS_BETWEEN_BODIES: u32 = 1 << 14;
 
 /// How substeps are taken in which bodies come near each other, or their meshes near obstacles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyContactPlan {
-    /// The scheme that takes them. Such contact is an impulse on the predicted velocities, for which the implicit and the
-    /// stabilised scheme have no place.
+    /// The scheme that takes them, unless the implicit one does. Such contact is an impulse on the predicted velocities, for
+    /// which the stabilised scheme has no place, nor has the implicit one where meshes or modal bodies meet something.
     pub scheme: Scheme,
     /// The fewest parts that they are divided into.
     pub parts: u32,
     /// The same while a body is strained.
     pub(in crate::physics) strained_parts: u32,
+    /// How many of these parts cost as much as one solve of the implicit scheme, which then may take such substeps itself; none
+    /// where it has no place for the contact.
+    pub(in crate::physics) parts_a_solve: Option<f64>,
 }
 
 /// What a step does for one scene.

@@ -32,7 +32,7 @@ pub(super) use stepper::{SchemeWorkspace, Stepper, kick_secs, moves_by_mean};
 
 use stepper::kick;
 
-use super::contact::ContactConstraint;
+use super::contact::ContactWorkspace;
 use super::model::Model;
 use super::report::Recorder;
 use super::state::State;
@@ -72,11 +72,11 @@ impl<R: Real> Stepper<'_, R> {
     /// included; gives up if asked to stop.
     pub(super) fn solve(
         &mut self,
-        constraints: &mut [ContactConstraint],
+        contact: &mut ContactWorkspace<R>,
         velocity: &mut [R::Vec3],
         recorder: &mut Recorder<'_>,
     ) {
-        implicit::solve(self, constraints, velocity, recorder);
+        implicit::solve(self, contact, velocity, recorder);
     }
 
     /// Goes through the substep once more for schemes that move particles with another velocity than that at its end: writes

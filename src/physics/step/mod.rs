@@ -11,7 +11,8 @@
 //! rest     bodies that have been at rest for long enough, or have fallen out of the scene, fall asleep and are left out
 //!          of all this
 //!
-//! The implicit scheme solves for pull, contact and v' at once: find constraints, solve, finish. Where that would give
+//! The implicit scheme solves for pull, contact, also of bodies with each other, and v' at once: find constraints, solve,
+//! finish. Where that would give
 //! energy the part is taken again in halves; an explicit scheme takes the smallest of them if it is refused, too.
 //! ```
 //!
@@ -27,7 +28,7 @@ pub(super) use workspace::StepWorkspace;
 
 use std::ops::Range;
 
-use super::contact::{self, ContactRecord, Placed};
+use super::contact::{self, BodyContact, ContactRecord, Placed};
 use super::forces;
 use super::forces::Kick;
 use super::forces::exact::ExactLinks;
@@ -198,13 +199,14 @@ fn find_velocities<R: Real>(
         return true;
     }
     let StepWorkspace { velocity, force, contact, forces: of_forces, .. } = workspace;
-    let end = SubstepEnd { velocity, force, contacts: &contact.contacts };
+    let (contacts, between_bodies) = (&contact.contacts[..], &contact.bodies.contacts[..]);
+    let end = SubstepEnd { velocity, force, contacts, between_bodies };
     let stops = || recorder.stops();
     if stays_finite(substep, velocity) && !gains_energy(substep, end, &mut of_forces.exact, &stops) {
         return true;
     }
     if on_energy_gain == OnEnergyGain::Slow {
-        slow(substep, velocity, force, &contact.contacts, &mut of_forces.exact, &stops);
+        slow(substep, velocity, (force, contacts, between_bodies), &mut of_forces.exact, &stops);
     }
     on_energy_gain == OnEnergyGain::Slow
 }
@@ -256,8 +258,7 @@ fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<
 fn slow<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
-    force: &[R::Vec3],
-    contacts: &[ContactRecord<R>],
+    (force, contacts, between_bodies): (&[R::Vec3], &[ContactRecord<R>], &[BodyContact]),
     exact: &mut ExactLinks,
     stops: &dyn Fn() -> bool,
 ) {
@@ -267,7 +268,7 @@ fn slow<R: Real>(
         for halvings_left in (0..MAX_VELOCITY_HALVINGS).rev() {
             let is_finite =
                 own.clone().all(|p| velocity[p].is_finite() && (state.position[p] + velocity[p] * dt).is_finite());
-            let end = SubstepEnd { velocity, force, contacts };
+            let end = SubstepEnd { velocity, force, contacts, between_bodies };
             if is_finite && !body_gains_energy(substep, number, end, exact, stops) {
                 break;
             }
@@ -385,18 +386,34 @@ fn correct_paths<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace
 /// Writes the velocities at the end of a substep as the implicit scheme solves for them.
 fn solved_velocities<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let (mut stepper, contact, velocity) = workspace.stepper(substep);
-    contact::bodies::skip_contact(substep, &mut contact.bodies, recorder);
+    let meets_obstacles = has_implicit_contact(substep.plan);
     contact.samples.keep_sleeping_contacts(substep.state);
-    if has_implicit_contact(substep.plan) {
+    if meets_obstacles || substep.bodies_are_near {
         stepper.fall(velocity);
+    }
+    if substep.bodies_are_near {
+        recorder.begin_bodies();
+        contact::bodies::find_constraints(substep, velocity, &mut contact.bodies, recorder);
+        recorder.end_bodies();
+    } else {
+        contact::bodies::skip_contact(substep, &mut contact.bodies, recorder);
+    }
+    if meets_obstacles {
         contact::find_constraints(substep, velocity, contact, recorder);
-        recorder.enter(Stage::Integrate);
     }
-    stepper.solve(&mut contact.constraints, velocity, recorder);
-    if has_implicit_contact(substep.plan) && !recorder.has_stopped() {
+    recorder.enter(Stage::Integrate);
+    stepper.solve(contact, velocity, recorder);
+    if recorder.has_stopped() {
+        return;
+    }
+    if meets_obstacles {
         contact::finish_constraints(substep, velocity, contact, recorder);
-        recorder.enter(Stage::Integrate);
     }
+    if substep.bodies_are_near {
+        contact::bodies::finish_constraints(substep, velocity, &mut contact.bodies, recorder);
+        contact::bodies::count_parting_work(substep, velocity, &contact.bodies, recorder);
+    }
+    recorder.enter(Stage::Integrate);
 }
 
 /// Whether there is contact, by any rule but that of the thesis.

@@ -6,7 +6,8 @@
 //! substep    whole, or in equal parts: up to `Plan::parts` while links are strained (strain); as many as a scheme with a
 //!            place for the contact needs while bodies come near each other or themselves (`Plan::between_bodies`) or
 //!            points of a body's mesh come near an obstacle (`Plan::on_mesh`); and in parts where the stabilised scheme
-//!            finds that contact tears bodies apart in the whole
+//!            finds that contact tears bodies apart in the whole. The implicit scheme takes those in which bodies come near
+//!            each other itself, in halves short enough that none travels past another, where that is cheaper
 //! part       the implicit scheme may refuse it, where its linear equations would give energy from nowhere: it is then
 //!            halved, down to a length that an explicit scheme can take, and left to that scheme where even this is refused
 //! work       past `Plan::most_work` nothing is halved any more: parts are as long as the grid of halves allows, and
@@ -183,12 +184,20 @@ impl Division {
         let bodies = model.bodies.iter().filter(|_| needs_speeds);
         of_bodies.relative_speeds.extend(bodies.map(|body| checks::max_relative_speed(body, plan, state)));
         let secs = plan.substep_secs();
-        let contact_parts = bodies::parts(model, plan, secs, state, of_bodies);
-        let bodies_are_near = contact_parts.is_some();
+        let by_travel = bodies::parts(model, plan, secs, state, of_bodies);
+        let bodies_are_near = by_travel.is_some();
         let on_mesh = plan.on_mesh.filter(|_| samples::comes_near(model, plan, obstacles, state, secs));
-        let contact_parts = contact_parts.max(on_mesh.map(|on_mesh| on_mesh.parts));
         // The scheme for contact of meshes with obstacles has a place for contact between bodies, too.
-        let contact_plan = on_mesh.or(plan.between_bodies.filter(|_| contact_parts.is_some()));
+        let contact_plan = on_mesh.or(plan.between_bodies.filter(|_| bodies_are_near));
+        let contact_parts = contact_plan.map(|contact_plan| contact_plan.parts.max(by_travel.unwrap_or(1)));
+        let halvings = by_travel.unwrap_or(1).next_power_of_two().trailing_zeros();
+        let solve_cost =
+            contact_plan.and_then(|plan| plan.parts_a_solve).map(|a_solve| a_solve * f64::from(1 << halvings));
+        let is_solved_for = solve_cost.zip(contact_parts).is_some_and(|(cost, parts)| cost < f64::from(parts));
+        if is_solved_for {
+            state.halvings = state.halvings.max(halvings);
+        }
+        let (contact_plan, contact_parts) = if is_solved_for { (None, None) } else { (contact_plan, contact_parts) };
         let scheme = contact_plan.map_or(plan.scheme, |contact_plan| contact_plan.scheme);
         let strained_parts = contact_plan
             .filter(|_| plan.is_divided())

@@ -22,7 +22,7 @@
 //! all of its modes ([`ModalBodies`]).
 //!
 //! Contact changes the velocities that forces predict, before obstacles do: obstacles have the last word, and no body is pushed
-//! through the ground. All is computed in double precision. Threads search for the points of different bodies in parallel,
+//! through the ground. The implicit scheme has the same contacts among its equations, with those of obstacles. All is computed in double precision. Threads search for the points of different bodies in parallel,
 //! which does not change what is found; one thread solves all contacts together, in the order of bodies and points.
 //!
 //! Follows Fisher and Lin, *Deformed distance fields for simulation of non-penetrating flexible bodies* (2001). Differs: the
@@ -73,31 +73,9 @@ pub(in crate::physics) fn meet<R: Real>(
     workspace: &mut BodiesWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
-    let Substep { model, state, plan, .. } = substep;
-    workspace.make_room(model);
-    workspace.keep_sleeping_contacts(model, plan, state);
-    recorder.enter(Stage::BroadPhase);
-    predict_motion(substep, velocity, modal, workspace);
-    let kept = workspace.contacts.len();
-    workspace.constraints.clear();
-    workspace.movers.clear();
-    find_pairs(substep, modal, workspace);
-    find_points(substep, workspace, recorder);
-    recorder.enter(Stage::Contact);
-    constrain(substep, velocity, modal, workspace);
-    let BodiesWorkspace { constraints, movers, contacts, presses, changed_velocities, .. } = &mut *workspace;
-    let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
-    recorder.counters.body_contacts += constraints.len() as u64;
-    weighted::solve(constraints, movers, modal, dt);
-    for (contact, constraint) in contacts[kept..].iter_mut().zip(constraints) {
-        contact.force = constraint.impulse() / dt;
-        let along = -(contact.gap + dt * constraint.relative_velocity(movers).dot(contact.normal));
-        deepest = deepest.max(contact.nearer.map_or(along, |nearer| along.min(nearer)));
-        let BodyContact { bodies, point, .. } = *contact;
-        presses.push(Press { bodies, point, depth_m: constraint.pressed_at_end(movers, dt) });
-    }
-    presses.sort_unstable_by_key(Press::place);
-    recorder.note_depth_between_bodies(deepest);
+    find_contacts(substep, velocity, modal, workspace, recorder);
+    let BodiesWorkspace { constraints, movers, changed_velocities, .. } = &mut *workspace;
+    weighted::solve(constraints, movers, modal, substep.dt.to_f64());
     for (mover, now) in movers.all.iter().zip(&movers.velocity) {
         if *now != mover.predicted_velocity {
             let (particle, after) = (mover.particle as usize, R::Vec3::from_dvec3(*now));
@@ -108,11 +86,84 @@ pub(in crate::physics) fn meet<R: Real>(
     for mover in movers.modal.all() {
         modal.apply_change(mover.body, &mover.change);
     }
+    record_contacts(substep, workspace, recorder);
+}
+
+/// Finds the contacts of bodies that meet each other within this substep as constraints among the equations of the implicit
+/// integrator, if every particle would have the `velocity` (m/s) without links. There are no modal bodies.
+pub(in crate::physics) fn find_constraints<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &[R::Vec3],
+    workspace: &mut BodiesWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    find_contacts(substep, velocity, &mut (), workspace, recorder);
+    let BodiesWorkspace { constraints, movers, contacts, equations, kept, .. } = workspace;
+    let of_model = (substep.model, substep.state);
+    for (contact, constraint) in contacts[*kept..].iter().zip(constraints) {
+        equations.add(constraint, contact.bodies, movers, of_model);
+    }
+}
+
+/// Takes over what the equations were solved for: the impulses of contacts, and the velocities of particles, m/s.
+pub(in crate::physics) fn finish_constraints<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &[R::Vec3],
+    workspace: &mut BodiesWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    let BodiesWorkspace { constraints, movers, equations, .. } = &mut *workspace;
+    for (constraint, solved) in constraints.iter_mut().zip(&equations.all) {
+        constraint.take_impulse(solved.constraint.solved_impulse());
+    }
+    for (mover, now) in movers.all.iter().zip(&mut movers.velocity).filter(|(mover, _)| mover.mobility > 0.0) {
+        *now = velocity[mover.particle as usize].to_dvec3();
+    }
+    record_contacts(substep, workspace, recorder);
+}
+
+/// Finds the contacts of bodies that meet each other within this substep, where all particles would have the `velocity` (m/s)
+/// without them.
+fn find_contacts<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &[R::Vec3],
+    modal: &mut impl ModalBodies,
+    workspace: &mut BodiesWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    let Substep { model, state, plan, .. } = substep;
+    workspace.make_room(model);
+    workspace.keep_sleeping_contacts(model, plan, state);
+    recorder.enter(Stage::BroadPhase);
+    predict_motion(substep, velocity, modal, workspace);
+    workspace.kept = workspace.contacts.len();
+    workspace.constraints.clear();
+    workspace.movers.clear();
+    find_pairs(substep, modal, workspace);
+    find_points(substep, workspace, recorder);
+    recorder.enter(Stage::Contact);
+    constrain(substep, velocity, modal, workspace);
+    recorder.counters.body_contacts += workspace.constraints.len() as u64;
+}
+
+/// Records the contacts that were found, with the forces that were solved for, and how far their springs are pressed.
+fn record_contacts<R: Real>(substep: Substep<'_, R>, workspace: &mut BodiesWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let BodiesWorkspace { constraints, movers, contacts, presses, kept, pushed_pairs, .. } = &mut *workspace;
+    let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
+    for (contact, constraint) in contacts[*kept..].iter_mut().zip(constraints) {
+        contact.force = constraint.impulse() / dt;
+        let along = -(contact.gap + dt * constraint.relative_velocity(movers).dot(contact.normal));
+        deepest = deepest.max(contact.nearer.map_or(along, |nearer| along.min(nearer)));
+        let BodyContact { bodies, point, .. } = *contact;
+        presses.push(Press { bodies, point, depth_m: constraint.pressed_at_end(movers, dt) });
+    }
+    presses.sort_unstable_by_key(Press::place);
+    recorder.note_depth_between_bodies(deepest);
     // Contacts of a pair follow each other.
-    for of_pair in workspace.contacts[kept..].chunk_by(|one, next| one.bodies == next.bodies) {
+    for of_pair in contacts[*kept..].chunk_by(|one, next| one.bodies == next.bodies) {
         let (pair, has_pushed) = (of_pair[0].bodies, of_pair.iter().any(|contact| contact.force != DVec3::ZERO));
-        if has_pushed && !workspace.pushed_pairs.contains(&pair) {
-            workspace.pushed_pairs.push(pair);
+        if has_pushed && !pushed_pairs.contains(&pair) {
+            pushed_pairs.push(pair);
         }
     }
     recorder.last.body_contacts = workspace.pushing_count();

@@ -10,7 +10,7 @@ use super::motion::Motion;
 use super::points::PointsWorkspace;
 use super::workspace::BodiesWorkspace;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::model::plan::{BodyContactPlan, Plan};
+use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
 use crate::physics::state::sleep;
@@ -29,8 +29,8 @@ const MARGIN: f64 = 0.25;
 /// Most parts that a substep is divided into for that: at 1 ms and cells of 1 cm bodies are caught that meet at 1280 m/s.
 const MAX_PARTS: u32 = 256;
 
-/// Returns into how many parts the coming substep of `secs` has to be divided for bodies that come near each other or
-/// themselves; none where none do. Wakes sleeping bodies where a moving one comes.
+/// Returns into how many parts the coming substep of `secs` has to be divided so that bodies that come near each other or
+/// themselves do not travel past each other in one; none where none do. Wakes sleeping bodies where a moving one comes.
 pub(in crate::physics) fn parts<R: Real>(
     model: &Model<R>,
     plan: &Plan,
@@ -38,7 +38,7 @@ pub(in crate::physics) fn parts<R: Real>(
     state: &mut State<R>,
     workspace: &mut BodiesWorkspace<R>,
 ) -> Option<u32> {
-    let BodyContactPlan { parts, .. } = plan.between_bodies?;
+    plan.between_bodies?;
     if !state.bodies.iter().any(|memory| sleep::moves(model, plan, memory)) {
         return None;
     }
@@ -90,8 +90,8 @@ pub(in crate::physics) fn parts<R: Real>(
         return Some(1);
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
-    let by_travel = (libm::ceil(longest) as u32).min(MAX_PARTS);
-    Some(parts.max(by_travel))
+    let by_travel = (libm::ceil(longest) as u32).clamp(1, MAX_PARTS);
+    Some(by_travel)
 }
 
 /// Returns the least thickness of a body that others might pass through, m: that of a cell, or of a mesh that is thinner.

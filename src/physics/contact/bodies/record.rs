@@ -60,7 +60,7 @@ impl WeightedParticles {
     }
 
     /// The mean of something that each of them has.
-    pub(super) fn mean(&self, of: impl Fn(usize) -> DVec3) -> DVec3 {
+    pub(in crate::physics) fn mean(&self, of: impl Fn(usize) -> DVec3) -> DVec3 {
         // The mean of one particle is its value to the last bit, also where that is not finite.
         if self.count == 1 {
             return of(self.particles[0]);

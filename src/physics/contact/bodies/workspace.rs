@@ -8,7 +8,7 @@ use super::points::PointsWorkspace;
 use super::predicted::PredictedBody;
 use super::record::BodyContact;
 use crate::math::Real;
-use crate::physics::contact::weighted::{Movers, PointConstraint};
+use crate::physics::contact::weighted::{Movers, PointConstraint, WeightedConstraints};
 use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::State;
@@ -42,10 +42,14 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(super) points: Vec<PointsWorkspace>,
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
+    /// The same among the equations of the implicit integrator.
+    pub(in crate::physics) equations: WeightedConstraints,
     /// The particles that contact between bodies has just given another velocity, and that velocity, m/s.
     pub(in crate::physics) changed_velocities: Vec<(usize, R::Vec3)>,
     /// The pairs of bodies that pushed each other since this was cleared.
     pub(in crate::physics) pushed_pairs: Vec<[usize; 2]>,
+    /// How many contacts of sleeping bodies come before those of the present substep.
+    pub(super) kept: usize,
     /// The contacts of the last substep, in the order of bodies and points.
     pub(in crate::physics) contacts: Vec<BodyContact>,
     /// Their springs as they are at its end, by body, point and the other body.
@@ -90,6 +94,8 @@ impl<R: Real> BodiesWorkspace<R> {
             changed_velocities: Vec::with_capacity(count),
             pushed_pairs: Vec::with_capacity((bodies * bodies).min(all)),
             constraints: Vec::with_capacity(all),
+            equations: WeightedConstraints::default(),
+            kept: 0,
             contacts: Vec::with_capacity(all),
             presses: Vec::with_capacity(all),
         };
@@ -123,6 +129,7 @@ impl<R: Real> BodiesWorkspace<R> {
         let both_sleep =
             |bodies: &[usize; 2]| bodies.iter().all(|body| !sleep::moves(model, plan, &state.bodies[*body]));
         self.changed_velocities.clear();
+        self.equations.clear();
         self.contacts.retain(|contact| both_sleep(&contact.bodies));
         self.presses.clear();
         self.presses.extend(state.presses.iter().filter(|press| both_sleep(&press.bodies)));

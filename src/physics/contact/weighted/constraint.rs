@@ -17,6 +17,8 @@ use glam::DVec3;
 
 use super::law::PointLaw;
 use super::movers::{Fastest, Mover, Movers, Shares};
+use crate::physics::contact::ContactConstraint;
+use crate::physics::contact::constraint::{ConstraintLaw, Parting};
 
 /// A contact as the rounds of solving use it.
 #[derive(Clone, Copy, Debug)]
@@ -171,6 +173,44 @@ impl PointConstraint {
         self.normal * self.normal_impulse + self.friction_impulse
     }
 
+    /// The shares of the particles that it weighs.
+    pub(super) fn shares(&self) -> Shares {
+        self.shares
+    }
+
+    /// Whether keeping the point from getting deeper might throw a particle ([`MAX_THROW_RATIO`]).
+    pub(super) fn throws(&self) -> bool {
+        self.thrown.is_some()
+    }
+
+    /// The same contact among equations, of bodies of this `size` (m), whose point has a relative `velocity` now.
+    pub(super) fn in_equations(&self, velocity: DVec3, movers: &Movers, size: f64) -> ContactConstraint {
+        let law = ConstraintLaw {
+            normal: self.normal,
+            surface_velocity: self.surface_velocity,
+            resistance: self.resistance,
+            impulse_at_rest: self.impulse_at_rest,
+            parting: (self.parting_speed > 0.0)
+                .then_some(Parting { speed: self.parting_speed, max_impulse: self.max_parting_impulse }),
+            min_normal_velocity: self.min_normal_velocity,
+            friction: if self.rubs() { self.law.friction } else { [0.0; 2] },
+            size,
+        };
+        ContactConstraint::new(law, velocity, movers.predicted_velocity(self.shares))
+    }
+
+    /// Takes over what the equations were solved for.
+    pub(in crate::physics::contact) fn take_impulse(&mut self, impulse: DVec3) {
+        self.normal_impulse = impulse.dot(self.normal);
+        self.friction_impulse = impulse - self.normal * self.normal_impulse;
+    }
+
+    /// Whether it has friction. A point far deeper than its spring is pressed does not rub: points that leave by all sides would
+    /// hold each other.
+    fn rubs(&self) -> bool {
+        self.spring.excess_depth() <= self.law.depth_limit
+    }
+
     /// Solves this contact for the velocities that the others leave. Returns by how much its impulse changed, N·s.
     pub(in crate::physics::contact) fn solve(&mut self, friction: PointFriction, movers: &mut Movers) -> f64 {
         let relative_velocity = self.relative_velocity(movers);
@@ -184,11 +224,7 @@ impl PointConstraint {
         let normal_impulse = sprung.max(parted.min(self.max_parting_impulse)).max(stopped).max(0.0);
         let mut change = self.normal * (normal_impulse - self.normal_impulse);
         self.normal_impulse = normal_impulse;
-        // A point far deeper than its spring is pressed does not rub: points that leave by all sides would hold each other.
-        if friction == PointFriction::Coulomb
-            && across > MIN_MOBILITY
-            && self.spring.excess_depth() <= self.law.depth_limit
-        {
+        if friction == PointFriction::Coulomb && across > MIN_MOBILITY && self.rubs() {
             let sliding = relative_velocity - self.normal * along;
             let wanted = self.friction_impulse - sliding * (1.0 / across);
             let strength = wanted.length();
@@ -223,7 +259,8 @@ impl PointConstraint {
     /// How far its spring is pressed at the end of a substep of `dt` (s), m.
     pub(in crate::physics::contact) fn pressed_at_end(&self, movers: &Movers, dt: f64) -> f64 {
         let way = dt * self.relative_velocity(movers).dot(self.normal);
-        pressed_at_end(self.spring.pressed, way, self.normal_impulse / (dt * self.law.stiffness))
+        // Where rounds of equations ended unsettled, a contact may pull.
+        pressed_at_end(self.spring.pressed, way, self.normal_impulse.max(0.0) / (dt * self.law.stiffness))
             .min(self.law.depth_limit)
     }
 

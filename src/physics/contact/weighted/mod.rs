@@ -6,10 +6,12 @@
 //! modal       the same for modal bodies, which move as a whole
 //! law         how hard a contact pushes and rubs
 //! constraint  one contact, with one effective mass
+//! equations   the same among the equations of the implicit integrator
 //! solve       all of them together, in a fixed order
 //! ```
 
 mod constraint;
+mod equations;
 mod law;
 mod modal;
 mod movers;
@@ -17,6 +19,7 @@ mod solve;
 
 pub(in crate::physics) use constraint::pressed_at_end;
 pub(super) use constraint::{ContactPlane, PointConstraint, SpringBefore};
+pub(in crate::physics) use equations::{WeightedConstraint, WeightedConstraints};
 pub use law::DEPTH_SHARE;
 pub(in crate::physics) use law::{PARTING_SPEED_SHARE, PointLaw, STIFFNESS_OVER_MASS};
 pub(in crate::physics) use modal::ModalBodies;

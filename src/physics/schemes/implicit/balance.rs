@@ -10,11 +10,11 @@
 //!
 //! which is the change of a body's energy less all work done on it. For backward Euler, of which the integrator is the first
 //! iteration, it is never above zero if the energy is convex (Hairer, Lubich and Wanner, "Geometric Numerical Integration",
-//! 2006, VIII.6). The work of contact is that of moving surfaces; the energy that contact springs store counts as the
-//! body's.
+//! 2006, VIII.6). The work of contact with obstacles is that of moving surfaces; the energy that its springs store counts as
+//! the body's. The work of contact with other bodies is that of its impulses at v': its own springs are exact.
 
 use crate::math::{Real, Vector};
-use crate::physics::contact::ContactRecord;
+use crate::physics::contact::{BodyContact, ContactRecord, WeightedParticles};
 use crate::physics::forces::exact::ExactLinks;
 use crate::physics::forces::recovery;
 use crate::physics::interaction::{Grab, resistance};
@@ -54,8 +54,10 @@ pub(in crate::physics) struct SubstepEnd<'a, R: Real> {
     pub(in crate::physics) velocity: &'a [R::Vec3],
     /// The forces of the state without contact and hand, N.
     pub(in crate::physics) force: &'a [R::Vec3],
-    /// What contact did.
+    /// What contact with obstacles did, ...
     pub(in crate::physics) contacts: &'a [ContactRecord<R>],
+    /// ... and contact between bodies.
+    pub(in crate::physics) between_bodies: &'a [BodyContact],
 }
 
 /// Whether a substep with this end gives one body energy from nowhere.
@@ -67,20 +69,24 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     stops: &dyn Fn() -> bool,
 ) -> bool {
     let Substep { model, state, dt, grab, .. } = substep;
-    let SubstepEnd { velocity, force, contacts } = end;
+    let SubstepEnd { velocity, force, contacts, between_bodies } = end;
     let body = &model.bodies[number];
     let [first, after] = [body.particles.start, body.particles.end]
         .map(|particle| contacts.partition_point(|contact| contact.particle < particle));
     let own = &contacts[first..after];
     let (kinetic, gained, work) = particle_energy(body, dt.to_f64(), state, force, velocity);
     let kinetic_at_start = (kinetic - gained - work).max(0.0);
-    let (stored, carried, total_contact_work) = contact_energy(body, own, dt, velocity);
+    let (stored, carried, at_obstacles) = contact_energy(body, own, dt, velocity);
+    let (pushed, of_others) = between_bodies_work::<R>(number, between_bodies, dt.to_f64(), velocity);
+    let total_contact_work = at_obstacles + of_others;
     let pulled =
         grab.filter(|grab| grab.body == number).map_or(0.0, |grab| grab_work(grab, body, dt.to_f64(), state, velocity));
     let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
     let unfolded = recovery::energy_past_work(body, &state.bodies[number], own, dt);
-    let from_nowhere =
-        gained + link_energy_gain(substep, number, velocity, exact, stops) + unfolded + stored - carried - pulled;
+    let from_nowhere = gained + link_energy_gain(substep, number, velocity, exact, stops) + unfolded + stored
+        - carried
+        - pulled
+        - pushed;
     let bearable = ROUNDING * kinetic + UNSOLVED_WORK_SHARE * total_contact_work.min(kinetic_at_start);
     // A NaN counts as energy from nowhere.
     from_nowhere.is_nan()
@@ -152,6 +158,20 @@ fn contact_energy<R: Real>(
             carried + dt * force.dot(surface),
             total_contact_work + dt * force.dot(velocity).abs(),
         )
+    })
+}
+
+/// Returns the work of contacts between bodies on a body, and the sum of the sizes of it, J.
+fn between_bodies_work<R: Real>(number: usize, contacts: &[BodyContact], dt: f64, velocity: &[R::Vec3]) -> (f64, f64) {
+    let of_velocity = |particles: &WeightedParticles| particles.mean(|particle| velocity[particle].to_dvec3());
+    contacts.iter().fold((0.0, 0.0), |(sum, total), contact| {
+        let [of_point, of_cell] = contact.bodies.map(|body| if body == number { 1.0 } else { 0.0 });
+        if of_point + of_cell == 0.0 {
+            return (sum, total);
+        }
+        let speed = of_velocity(&contact.own) * of_point - of_velocity(&contact.cell) * of_cell;
+        let work = dt * contact.force.dot(speed);
+        (sum + work, total + work.abs())
     })
 }
 

@@ -4,9 +4,10 @@ use crate::physics::model::Values;
 use glam::{DMat3, DVec3};
 
 use super::matrix::Factor;
-use super::system::{ImplicitWorkspace, System};
+use super::system::{BodyEquations, ImplicitWorkspace, System};
 use super::vectors::{add_scaled, dot, scale, scale_and_add};
 use crate::math::Real;
+use crate::physics::contact::ParticleConstraint;
 use crate::physics::forces::particles::zero_pinned;
 
 /// The most iterations of one solve: some twenty times what a stiff body takes.
@@ -19,16 +20,13 @@ const TOLERANCE: f64 = 1e-4;
 /// would creep by the residual.
 const MIN_TOLERANCE: f64 = 1e-7;
 
-/// The tolerance of a rough solution, as a share of the residual at the start of its round.
-const ROUGH_TOLERANCE: f64 = 0.1;
-
 /// How accurately equations are solved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Accuracy {
     /// Until the residual makes no difference to the motion.
     Full,
-    /// As far as it takes to see what constraints do.
-    Rough,
+    /// Until the residual is down to this share of what it was at the start of the round.
+    Share(f64),
 }
 
 /// The result of a solve.
@@ -40,132 +38,213 @@ pub(super) struct Solve {
 }
 
 impl<R: Real> System<'_, R> {
-    /// Sets the start of the iteration: the present velocities and, if nothing holds the body, its motion as a whole.
-    /// Returns the squared norm that the residual must come down to.
-    pub(super) fn start(&mut self) -> f64 {
-        let count = self.body.particles.len();
+    /// Sets the start of the iteration: the present velocities and, if nothing holds the body, its motion as a whole. Finds
+    /// what the residual of each body must come down to.
+    pub(super) fn start(&mut self) {
         self.find_residual(false);
         self.workspace.inverse_blocks.clear();
-        let known = self.scale_residual();
-        let moving = (0..count).fold(0.0, |sum, local| {
-            sum + self.body.mass(local).to_f64() * self.workspace.velocity[local].length_squared()
-        });
-        if self.constraints.is_empty() && self.body.pinned == Values::Uniform(false) {
-            let (sum, mass) = (0..count).fold((DVec3::ZERO, 0.0), |(sum, mass), local| {
-                (sum + self.workspace.residual[local], mass + self.body.mass(local).to_f64())
+        self.workspace.points.clear();
+        self.scale_residual();
+        for (number, own) in self.ranges() {
+            let body = &self.model.bodies[number];
+            let moving = own.clone().enumerate().fold(0.0, |sum, (local, particle)| {
+                sum + body.mass(local).to_f64() * self.workspace.velocity[particle].length_squared()
             });
-            for velocity in &mut self.workspace.velocity[..count] {
-                *velocity += sum / mass;
+            if self.is_untouched() && body.pinned == Values::Uniform(false) {
+                let (sum, mass) = own.clone().enumerate().fold((DVec3::ZERO, 0.0), |(sum, mass), (local, particle)| {
+                    (sum + self.workspace.residual[particle], mass + body.mass(local).to_f64())
+                });
+                for velocity in &mut self.workspace.velocity[own] {
+                    *velocity += sum / mass;
+                }
             }
+            let equations = &mut self.workspace.bodies[number];
+            let known = equations.squared_residual;
+            equations.squared_tolerance =
+                (moving.min(known) * TOLERANCE * TOLERANCE).max(known * MIN_TOLERANCE * MIN_TOLERANCE);
         }
-        for constraint in &mut *self.constraints {
-            constraint.stiffen_depth_limit(self.workspace.diagonal[constraint.particle - self.body.particles.start]);
+        let Self { at_obstacles, between_bodies, weights, workspace, .. } = self;
+        for touching in &mut **at_obstacles {
+            touching.constraint.stiffen_depth_limit(workspace.diagonal[touching.particle]);
         }
-        (moving.min(known) * TOLERANCE * TOLERANCE).max(known * MIN_TOLERANCE * MIN_TOLERANCE)
+        for contact in between_bodies.iter_mut().filter(|contact| contact.has_depth_limit) {
+            let gives = contact.own(weights).iter().fold(0.0, |sum, &(particle, weight)| {
+                sum + weight * weight * workspace.inverse_diagonal[particle as usize].x
+            });
+            contact.constraint.stiffen_depth_limit(1.0 / gives);
+        }
     }
 
     /// Writes the residual of the equations, with the impulses of contact if `touched`.
     fn find_residual(&mut self, touched: bool) {
         self.times(Factor::Velocity);
-        let ImplicitWorkspace { residual, right_hand_side, product, velocity, .. } = &mut *self.workspace;
-        for (local, residual) in residual[..self.body.particles.len()].iter_mut().enumerate() {
-            *residual = right_hand_side[local] - product[local];
+        for (_, own) in self.ranges() {
+            let ImplicitWorkspace { residual, right_hand_side, product, .. } = &mut *self.workspace;
+            for (residual, (of, product)) in
+                residual[own.clone()].iter_mut().zip(right_hand_side[own.clone()].iter().zip(&product[own]))
+            {
+                *residual = *of - *product;
+            }
         }
         if touched {
-            for constraint in &*self.constraints {
-                let local = constraint.particle - self.body.particles.start;
-                residual[local] += constraint.impulse(velocity[local]);
+            let ImplicitWorkspace { residual, velocity, .. } = &mut *self.workspace;
+            for ParticleConstraint { particle, constraint, .. } in &*self.at_obstacles {
+                residual[*particle] += constraint.impulse(velocity[*particle]);
+            }
+            for contact in &*self.between_bodies {
+                let impulse = contact.constraint.impulse(contact.sum(self.weights, velocity));
+                for &(particle, weight) in contact.own(self.weights) {
+                    residual[particle as usize] += impulse * weight;
+                }
             }
         }
     }
 
     /// Runs conjugate gradients with the constraints as they are, until the accuracy is reached or it `stops`.
-    pub(super) fn iterate(&mut self, squared_tolerance: f64, accuracy: Accuracy, stops: &dyn Fn() -> bool) -> Solve {
-        let count = self.body.particles.len();
+    pub(super) fn iterate(&mut self, accuracy: Accuracy, stops: &dyn Fn() -> bool) -> Solve {
+        let level = self.level;
         self.find_residual(true);
         self.precondition();
-        self.workspace.before[..count].copy_from_slice(&self.workspace.velocity[..count]);
-        self.workspace.residual_before[..count].copy_from_slice(&self.workspace.residual[..count]);
-        let mut squared_residual = self.scale_residual();
-        let goal = match accuracy {
-            Accuracy::Full => squared_tolerance,
-            Accuracy::Rough => squared_tolerance.max(ROUGH_TOLERANCE * ROUGH_TOLERANCE * squared_residual),
-        };
+        self.make_rigid_motions();
+        for (_, own) in self.ranges() {
+            let ImplicitWorkspace { before, velocity, residual_before, residual, .. } = &mut *self.workspace;
+            before[own.clone()].copy_from_slice(&velocity[own.clone()]);
+            residual_before[own.clone()].copy_from_slice(&residual[own]);
+        }
+        self.scale_residual();
+        for number in self.bodies {
+            let BodyEquations { squared_residual, squared_tolerance, goal, .. } = &mut self.workspace.bodies[*number];
+            *goal = match accuracy {
+                Accuracy::Full => *squared_tolerance,
+                Accuracy::Share(share) => squared_tolerance.max(share * share * *squared_residual),
+            };
+        }
         self.add_coarse_correction();
-        let level = self.level;
-        let mut size = dot(level, &self.workspace.residual[..count], &self.workspace.scaled[..count]);
-        self.workspace.search[..count].copy_from_slice(&self.workspace.scaled[..count]);
+        self.add_rigid_correction();
+        let mut size = self.dot_with_residual();
+        for (_, own) in self.ranges() {
+            let ImplicitWorkspace { search, scaled, .. } = &mut *self.workspace;
+            search[own.clone()].copy_from_slice(&scaled[own]);
+        }
         let mut iterations = 0;
-        while iterations < MAX_ITERATIONS && squared_residual > goal {
+        while iterations < MAX_ITERATIONS && !self.is_solved(|equations| equations.goal) {
             if stops() {
                 break;
             }
             self.times(Factor::Search);
-            let ImplicitWorkspace { search, product, velocity, residual, .. } = &mut *self.workspace;
-            for constraint in &*self.constraints {
-                let local = constraint.particle - self.body.particles.start;
-                product[local] += *constraint.matrix() * search[local];
-            }
-            let curvature = dot(level, &search[..count], &product[..count]);
+            self.add_product_of_contact();
+            let curvature = self.ranges().fold(0.0, |sum, (_, own)| {
+                sum + dot(level, &self.workspace.search[own.clone()], &self.workspace.product[own])
+            });
             if curvature.is_nan() || curvature <= 0.0 {
                 break;
             }
             let length = size / curvature;
-            add_scaled(level, length, &search[..count], &mut velocity[..count]);
-            add_scaled(level, -length, &product[..count], &mut residual[..count]);
-            squared_residual = self.scale_residual();
+            for (_, own) in self.ranges() {
+                let ImplicitWorkspace { search, product, velocity, residual, .. } = &mut *self.workspace;
+                add_scaled(level, length, &search[own.clone()], &mut velocity[own.clone()]);
+                add_scaled(level, -length, &product[own.clone()], &mut residual[own]);
+            }
+            self.scale_residual();
             self.add_coarse_correction();
-            let smaller = dot(level, &self.workspace.residual[..count], &self.workspace.scaled[..count]);
+            self.add_rigid_correction();
+            let smaller = self.dot_with_residual();
             let keep = smaller / size;
-            let ImplicitWorkspace { search, scaled, .. } = &mut *self.workspace;
-            scale_and_add(level, keep, &scaled[..count], &mut search[..count]);
+            for (_, own) in self.ranges() {
+                let ImplicitWorkspace { search, scaled, .. } = &mut *self.workspace;
+                scale_and_add(level, keep, &scaled[own.clone()], &mut search[own]);
+            }
             size = smaller;
             iterations += 1;
         }
-        Solve { iterations, is_full: squared_residual <= squared_tolerance }
+        Solve { iterations, is_full: self.is_solved(|equations| equations.squared_tolerance) }
+    }
+
+    /// Whether the residual of every body is down to its goal.
+    fn is_solved(&self, goal: impl Fn(&BodyEquations<R>) -> f64) -> bool {
+        let mut of_bodies = self.bodies.iter().map(|number| &self.workspace.bodies[*number]);
+        of_bodies.all(|equations| equations.squared_residual <= goal(equations))
+    }
+
+    /// The inner product of the residual with itself as scaled.
+    fn dot_with_residual(&self) -> f64 {
+        let ImplicitWorkspace { residual, scaled, .. } = &*self.workspace;
+        self.ranges().fold(0.0, |sum, (_, own)| sum + dot(self.level, &residual[own.clone()], &scaled[own]))
+    }
+
+    /// Adds what contact makes of the search direction to its product.
+    fn add_product_of_contact(&mut self) {
+        let ImplicitWorkspace { search, product, .. } = &mut *self.workspace;
+        for ParticleConstraint { particle, constraint, .. } in &*self.at_obstacles {
+            product[*particle] += *constraint.matrix() * search[*particle];
+        }
+        for contact in self.between_bodies.iter().filter(|contact| contact.constraint.is_in_equations()) {
+            let taken = *contact.constraint.matrix() * contact.sum(self.weights, search);
+            for &(particle, weight) in contact.own(self.weights) {
+                product[particle as usize] += taken * weight;
+            }
+        }
     }
 
     /// Makes the inverse blocks of touched particles, and passes contact on to the coarse grids.
     fn precondition(&mut self) {
         let ImplicitWorkspace { inverse_blocks, diagonal, .. } = &mut *self.workspace;
         inverse_blocks.clear();
-        for own in self.constraints.chunk_by(|a, b| a.particle == b.particle) {
-            let diagonal = diagonal[own[0].particle - self.body.particles.start];
-            let block = own
-                .iter()
-                .fold(DMat3::from_diagonal(DVec3::splat(diagonal)), |sum, constraint| sum + *constraint.matrix());
-            inverse_blocks.push(block.inverse());
+        for own in self.at_obstacles.chunk_by(|a, b| a.particle == b.particle) {
+            let particle = own[0].particle;
+            let block = own.iter().fold(DMat3::from_diagonal(DVec3::splat(diagonal[particle])), |sum, one| {
+                sum + *one.constraint.matrix()
+            });
+            inverse_blocks.push((particle, block.inverse()));
         }
-        if let Some(grids) = self.workspace.grids[self.number].as_mut().filter(|_| self.uses_grids) {
-            let first = self.body.particles.start;
+        self.make_point_blocks();
+        let (model, weights) = (self.model, self.weights);
+        for number in self.bodies {
+            let own = model.bodies[*number].particles.clone();
+            let BodyEquations { grids, uses_grids, .. } = &mut self.workspace.bodies[*number];
+            let Some(grids) = grids.as_mut().filter(|_| *uses_grids) else { continue };
+            let at_obstacles = self.at_obstacles.iter().filter(|one| own.contains(&one.particle));
+            let at_obstacles = at_obstacles.map(|one| (one.particle - own.start, *one.constraint.matrix()));
+            // The weights of a body in a contact sum to one, so that the whole of it is resisted by as much as the contact
+            // resists.
+            let between_bodies = self.between_bodies.iter().filter(|contact| contact.constraint.is_in_equations());
+            let between_bodies = between_bodies.flat_map(|contact| {
+                let matrix = *contact.constraint.matrix();
+                contact.own(weights).iter().map(move |&(particle, weight)| (particle as usize, matrix * weight.abs()))
+            });
+            let between_bodies = between_bodies.filter(|(particle, _)| own.contains(particle));
             grids.set_resistance(
-                self.constraints.iter().map(|constraint| (constraint.particle - first, *constraint.matrix())),
+                at_obstacles.chain(between_bodies.map(|(particle, matrix)| (particle - own.start, matrix))),
             );
         }
     }
 
-    /// Divides the residual by the diagonal, or by the blocks of touched particles. Returns its squared norm over the
-    /// diagonal without constraints: over the diagonal with them, held particles would hardly count.
-    fn scale_residual(&mut self) -> f64 {
-        let ImplicitWorkspace { residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.workspace;
-        let count = self.body.particles.len();
-        let size = scale(self.level, &residual[..count], &inverse_diagonal[..count], &mut scaled[..count]);
-        let touched = self.constraints.chunk_by(|a, b| a.particle == b.particle);
-        for (own, block) in touched.zip(inverse_blocks) {
-            let local = own[0].particle - self.body.particles.start;
-            scaled[local] = *block * residual[local];
+    /// Divides the residual by the diagonal, or by the blocks of touched particles. Finds its squared norm over the diagonal
+    /// without constraints for each body: over the diagonal with them, held particles would hardly count.
+    fn scale_residual(&mut self) {
+        let ranges = self.ranges();
+        let ImplicitWorkspace { bodies, residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.workspace;
+        for (number, own) in ranges {
+            let [residual, inverse] = [&*residual, inverse_diagonal].map(|of| &of[own.clone()]);
+            bodies[number].squared_residual = scale(self.level, residual, inverse, &mut scaled[own]);
         }
-        size
+        for (particle, block) in inverse_blocks {
+            scaled[*particle] = *block * residual[*particle];
+        }
+        self.relax_points();
     }
 
     /// Adds the correction of the coarse grids for the residual.
     fn add_coarse_correction(&mut self) {
-        let ImplicitWorkspace { grids, scaled, residual, .. } = &mut *self.workspace;
-        let Some(grids) = grids[self.number].as_mut().filter(|_| self.uses_grids) else { return };
-        let count = self.body.particles.len();
-        let (residual, scaled) = (&mut residual[..count], &mut scaled[..count]);
-        zero_pinned(self.body, 0..count, residual);
-        grids.correct(self.level, residual, scaled);
-        zero_pinned(self.body, 0..count, scaled);
+        for (number, own) in self.ranges() {
+            let ImplicitWorkspace { bodies, scaled, residual, .. } = &mut *self.workspace;
+            let BodyEquations { grids, uses_grids, .. } = &mut bodies[number];
+            let Some(grids) = grids.as_mut().filter(|_| *uses_grids) else { continue };
+            let body = &self.model.bodies[number];
+            let (residual, scaled) = (&mut residual[own.clone()], &mut scaled[own.clone()]);
+            zero_pinned(body, 0..own.len(), residual);
+            grids.correct(self.level, residual, scaled);
+            zero_pinned(body, 0..own.len(), scaled);
+        }
     }
 }

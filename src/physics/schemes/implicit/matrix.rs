@@ -1,8 +1,10 @@
-//! The matrix of a body's equations without constraints, and its product with a vector.
+//! The matrix of the equations without constraints, and its product with a vector.
+
+use std::ops::Range;
 
 use glam::DVec3;
 
-use super::system::{ImplicitWorkspace, LinkBlock, System};
+use super::system::{BodyEquations, ImplicitWorkspace, LinkBlock, System};
 use crate::math::{Real, Vector};
 use crate::physics::forces::exact::ByPiece;
 use crate::physics::forces::links::for_each_tangent;
@@ -12,98 +14,113 @@ use crate::physics::kernels::Piece;
 use crate::physics::model::BodyModel;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::BodyMemory;
+use crate::physics::step::substep::Substep;
 use crate::physics::team;
 
 impl<R: Real> System<'_, R> {
     /// Assembles the matrix and the right-hand side without constraints, and the present velocities; unfinished if it
     /// `stops`.
-    pub(super) fn assemble(
+    pub(super) fn assemble(&mut self, substep: Substep<'_, R>, force: &[R::Vec3], stops: &dyn Fn() -> bool) {
+        for (number, own) in self.ranges() {
+            let state = substep.state;
+            let of_body = [&state.position[..], &state.velocity, force].map(|of| &of[own.clone()]);
+            self.assemble_body(number, own, substep.plan, &state.bodies[number], of_body, stops);
+        }
+    }
+
+    fn assemble_body(
         &mut self,
+        number: usize,
+        own: Range<usize>,
         plan: &Plan,
         memory: &BodyMemory,
         [position, velocity, force]: [&[R::Vec3]; 3],
         stops: &dyn Fn() -> bool,
     ) {
-        let dt = self.dt;
-        let ImplicitWorkspace { tangents, blocks, right_hand_side, diagonal, velocity: now, .. } = &mut *self.workspace;
-        for (local, force) in force.iter().enumerate() {
-            let mass = self.body.mass(local).to_f64();
-            now[local] = velocity[local].to_dvec3();
-            right_hand_side[local] = now[local] * mass + force.to_dvec3() * dt;
+        let (body, dt) = (&self.model.bodies[number], self.dt);
+        let grab = self.grab.filter(|grab| grab.body == number);
+        let ImplicitWorkspace { bodies, right_hand_side, diagonal, velocity: now, inverse_diagonal, .. } =
+            &mut *self.workspace;
+        let (right_hand_side, diagonal) = (&mut right_hand_side[own.clone()], &mut diagonal[own.clone()]);
+        for (local, (force, now)) in force.iter().zip(&mut now[own.clone()]).enumerate() {
+            let mass = body.mass(local).to_f64();
+            *now = velocity[local].to_dvec3();
+            right_hand_side[local] = *now * mass + force.to_dvec3() * dt;
             diagonal[local] = mass;
         }
-        if let Some(links) = &self.body.boxed_links {
+        let BodyEquations { tangents, blocks, resistances, .. } = &mut bodies[number];
+        if let Some(links) = &body.boxed_links {
             let choice = (self.level, plan.families);
             tangents.assemble(links, choice, dt, position, |local, third| diagonal[local] += third);
         } else {
-            make_blocks(self.body, plan.families, dt, position, blocks, diagonal, stops);
+            make_blocks(body, plan.families, dt, position, blocks, diagonal, stops);
         }
-        self.workspace.resistances.clear();
-        self.workspace.resistances.extend(recovery::resistances(self.body, memory, position));
-        let ImplicitWorkspace { resistances, diagonal, .. } = &mut *self.workspace;
+        resistances.clear();
+        resistances.extend(recovery::resistances(body, memory, position));
         for resistance in resistances {
             resistance.for_each_diagonal(|corner, added| diagonal[corner] += dt * dt * added);
         }
-        if let Some(grab) = self.grab {
-            let first = self.body.particles.start;
-            let away = (grab.target - grab.mean_of(position, first)).to_dvec3();
-            let resistance = self.grab_resistance(grab);
+        if let Some(grab) = grab {
+            let away = (grab.target - grab.mean_of(position, own.start)).to_dvec3();
+            let resistance = grab_resistance(grab, body, dt);
             for &(particle, weight) in &grab.weights {
-                let (local, weight) = (particle - first, weight.to_f64());
-                self.workspace.right_hand_side[local] += away * (dt * grab.stiffness.to_f64() * weight);
-                self.workspace.diagonal[local] += resistance * weight * weight;
+                let (local, weight) = (particle - own.start, weight.to_f64());
+                right_hand_side[local] += away * (dt * grab.stiffness.to_f64() * weight);
+                diagonal[local] += resistance * weight * weight;
             }
         }
-        let ImplicitWorkspace { diagonal, inverse_diagonal, .. } = &mut *self.workspace;
-        for local in 0..self.body.particles.len() {
-            let inverse = if self.body.is_pinned(local) { 0.0 } else { 1.0 / diagonal[local] };
-            inverse_diagonal[local] = DVec3::splat(inverse);
+        for (local, inverse) in inverse_diagonal[own].iter_mut().enumerate() {
+            *inverse = DVec3::splat(if body.is_pinned(local) { 0.0 } else { 1.0 / diagonal[local] });
         }
-    }
-
-    fn grab_resistance(&self, grab: &Grab<R>) -> f64 {
-        self.dt * resistance([grab.stiffness, grab.damping(self.body)].map(Real::to_f64), self.dt)
     }
 
     /// Multiplies the matrix without constraints by a vector of the workspace.
     pub(super) fn times(&mut self, of: Factor) {
-        let Self { body, level, .. } = *self;
-        let resistance_of_hand = self.grab.map_or(0.0, |grab| self.grab_resistance(grab));
-        let ImplicitWorkspace { velocity, search, product, tangents, blocks, resistances, .. } = &mut *self.workspace;
-        let of = match of {
-            Factor::Velocity => &velocity[..body.particles.len()],
-            Factor::Search => &search[..body.particles.len()],
-        };
-        let product = &mut product[..of.len()];
-        if let Some((links, pieces)) = self.exact.in_box(self.number) {
-            let multiply = |piece: &mut Piece<f64>, product: &mut [DVec3]| {
-                let first = piece.particles.start;
-                tangents.multiply(links, level, of, piece, product, &mut |stretch, product| {
-                    for (local, product) in (first + stretch.start..).zip(product) {
-                        *product += of[local] * body.mass(local).to_f64();
-                    }
-                });
+        let (ranges, dt, level, threads) = (self.ranges(), self.dt, self.level, self.threads);
+        let ImplicitWorkspace { bodies, velocity, search, product, .. } = &mut *self.workspace;
+        for (number, own) in ranges {
+            let body = &self.model.bodies[number];
+            let of = match of {
+                Factor::Velocity => &velocity[own.clone()],
+                Factor::Search => &search[own.clone()],
             };
-            let of_piece = |piece: &Piece<f64>| piece.particles.len();
-            team::share(self.threads, ByPiece { pieces, to: product, of_piece: &of_piece, work: &multiply });
-        } else {
-            for (local, of) in of.iter().enumerate() {
-                product[local] = *of * body.mass(local).to_f64();
+            let product = &mut product[own];
+            let BodyEquations { tangents, blocks, resistances, .. } = &bodies[number];
+            if let Some((links, pieces)) = self.exact.in_box(number) {
+                let multiply = |piece: &mut Piece<f64>, product: &mut [DVec3]| {
+                    let first = piece.particles.start;
+                    tangents.multiply(links, level, of, piece, product, &mut |stretch, product| {
+                        for (local, product) in (first + stretch.start..).zip(product) {
+                            *product += of[local] * body.mass(local).to_f64();
+                        }
+                    });
+                };
+                let of_piece = |piece: &Piece<f64>| piece.particles.len();
+                team::share(threads, ByPiece { pieces, to: product, of_piece: &of_piece, work: &multiply });
+            } else {
+                for (local, of) in of.iter().enumerate() {
+                    product[local] = *of * body.mass(local).to_f64();
+                }
+                add_product(blocks, of, product);
             }
-            add_product(blocks, of, product);
-        }
-        for resistance in resistances {
-            resistance.add_product(self.dt * self.dt, of, product);
-        }
-        if let Some(grab) = self.grab {
-            let first = body.particles.start;
-            let speed: DVec3 = grab.weights.iter().map(|&(particle, w)| of[particle - first] * w.to_f64()).sum();
-            let pull = speed * resistance_of_hand;
-            for &(particle, weight) in &grab.weights {
-                product[particle - first] += pull * weight.to_f64();
+            for resistance in resistances {
+                resistance.add_product(dt * dt, of, product);
+            }
+            if let Some(grab) = self.grab.filter(|grab| grab.body == number) {
+                let first = body.particles.start;
+                let speed: DVec3 = grab.weights.iter().map(|&(particle, w)| of[particle - first] * w.to_f64()).sum();
+                let pull = speed * grab_resistance(grab, body, dt);
+                for &(particle, weight) in &grab.weights {
+                    product[particle - first] += pull * weight.to_f64();
+                }
             }
         }
     }
+}
+
+/// The resistance of a hand's pull at a body in a step of `dt` (s), kg.
+fn grab_resistance<R: Real>(grab: &Grab<R>, body: &BodyModel<R>, dt: f64) -> f64 {
+    dt * resistance([grab.stiffness, grab.damping(body)].map(Real::to_f64), dt)
 }
 
 /// The vector that the matrix is multiplied by.

@@ -7,21 +7,26 @@
 //! ```
 //!
 //! K⁺ leaves out what a compressed link does across its direction, which could push outwards: so the matrix is positive
-//! definite in any state. Contact is in it as `(dt² k + dt d) n nᵀ`, friction as a resistance `c (I − n nᵀ)`. Which contact
-//! constraints push and how much each resists is found by repeated solves, each from the last solution or from the point on
+//! definite in any state. Contact is in it as `(dt² k + dt d) n nᵀ`, friction as a resistance `c (I − n nᵀ)`, both on the
+//! velocity of a particle at an obstacle or on that of a point of one body relative to the cell of another that it is in.
+//! Bodies that touch each other are solved for together ([`islands`]). Which contact constraints push and how much each resists is found by repeated solves, each from the last solution or from the point on
 //! the way to it where the potential was least. While constraints still change, a solution need not be exact. The solver is
 //! conjugate gradients in double precision, whatever precision the state has: a particle held by friction is a million times
-//! stiffer than a free one. The preconditioner is the diagonal, for a particle that touches something its whole 3×3 block,
-//! and for a stiff body coarser grids as well ([`multigrid`]). Sums are in a fixed order, body by body: the result is a
-//! function of the state alone.
+//! stiffer than a free one. The preconditioner is the diagonal, for a particle that touches an obstacle its whole 3×3 block,
+//! a rough solution for contacts between bodies ([`points`]), for bodies that touch their rigid motions ([`rigid`]), and for a
+//! stiff body coarser grids as well ([`multigrid`]). Sums are in a fixed order, body by body: the result is a function of the
+//! state alone.
 
 #![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 
 pub(in crate::physics) mod balance;
 mod conjugate;
+mod islands;
 mod line_search;
 mod matrix;
 mod multigrid;
+mod points;
+mod rigid;
 pub(super) mod system;
 mod vectors;
 
@@ -29,12 +34,13 @@ use glam::{DMat3, DVec3};
 
 use self::conjugate::Accuracy;
 use self::multigrid::Multigrid;
-use self::system::{LinkBlock, System};
+use self::system::{BodyEquations, ImplicitWorkspace, LinkBlock, System};
 use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
-use crate::physics::contact::ContactConstraint;
+use crate::physics::contact::{ContactWorkspace, ParticleConstraint, WeightedConstraints};
 use crate::physics::forces::recovery::Resistance;
 use crate::physics::kernels::{MAX_CORNERS_PER_PARTICLE, tangent_bytes};
+use crate::physics::model::Values;
 use crate::physics::report::Recorder;
 use crate::physics::schemes::stepper::Stepper;
 use crate::physics::step::substep::Substep;
@@ -45,69 +51,104 @@ const MAX_ROUNDS: usize = 16;
 /// The last of these rounds, which lead to a safe result whatever the others found.
 const CAREFUL_ROUNDS: usize = 2;
 
-/// The first of these rounds, which are solved only as far as it takes to see what constraints do, while these change. The
-/// later ones are solved fully, so that the search for the constraints starts from accurate solutions.
+/// The first of these rounds, which are solved only as far as it takes to see what constraints do, while these change: until
+/// the residual is down to this share.
 const ROUGH_ROUNDS: usize = 8;
+const ROUGH_SHARE: f64 = 0.1;
 
-/// Returns the memory of the workspace in single precision for some bodies, bytes: the equations of the largest, the coarse
-/// grids of each, and its links in double precision.
+/// The same in the rounds between, whose search for the constraints starts from more accurate solutions.
+const FINE_SHARE: f64 = 0.01;
+
+/// Returns the memory of the workspace in single precision for some bodies, bytes: their equations, coarse grids, and links in
+/// double precision.
 pub(in crate::physics) fn bytes(bodies: &[LatticeCounts]) -> usize {
     let vectors = 9 * size_of::<DVec3>() + size_of::<f64>();
-    let of_surface = size_of::<DMat3>() + size_of::<Resistance>();
+    let of_surface = size_of::<(usize, DMat3)>() + size_of::<Resistance>();
     let corners = |body: &LatticeCounts| body.grid_corners.min(MAX_CORNERS_PER_PARTICLE * body.particles);
     let exact = |body: &LatticeCounts| corners(body) * size_of::<[f64; 9]>();
-    let equations = |body: &LatticeCounts| {
+    let of_body = |body: &LatticeCounts| {
         let of_links = tangent_bytes(body.all_links(), corners(body));
         of_links.max(body.all_links() * size_of::<LinkBlock<f32>>())
-            + body.particles * (vectors + 2 * size_of::<DVec3>())
+            + body.particles * vectors
             + body.surface * of_surface
+            + Multigrid::bytes(body)
+            + exact(body)
     };
-    bodies.iter().map(equations).max().unwrap_or(0)
-        + bodies.iter().map(|body| Multigrid::bytes(body) + exact(body)).sum::<usize>()
+    // Vectors that links in double precision are evaluated from have room for the largest body.
+    let largest = bodies.iter().map(|body| body.particles * 2 * size_of::<DVec3>()).max().unwrap_or(0);
+    bodies.iter().map(of_body).sum::<usize>() + largest
 }
 
 /// Writes the velocities at the end of the substep.
 pub(super) fn solve<R: Real>(
     stepper: &mut Stepper<'_, R>,
-    constraints: &mut [ContactConstraint],
+    contact: &mut ContactWorkspace<R>,
     velocity: &mut [R::Vec3],
     recorder: &mut Recorder<'_>,
 ) {
-    let Stepper { substep: Substep { model, plan, dt, state, grab, .. }, force, .. } = *stepper;
-    let workspace = &mut stepper.workspace.implicit;
-    let mut constraints = constraints;
-    for (number, body) in model.bodies.iter().enumerate() {
-        // Nothing touches a body that sleeps.
-        if state.bodies[number].asleep {
-            continue;
+    let Stepper { substep, force, .. } = *stepper;
+    let Substep { model, plan, dt, state, grab, .. } = substep;
+    let (workspace, exact) = (&mut stepper.workspace.implicit, &mut stepper.forces.exact);
+    let WeightedConstraints { all: between_bodies, weights } = &mut contact.bodies.equations;
+    let mut islands = std::mem::take(&mut workspace.islands);
+    islands.find(state, &mut contact.constraints, between_bodies);
+    let (mut at_obstacles, mut between) = (&mut contact.constraints[..], &mut between_bodies[..]);
+    for bodies in islands.order().chunk_by(|a, b| islands.of_body(*a) == islands.of_body(*b)) {
+        let island = islands.of_body(bodies[0]);
+        let own = at_obstacles.partition_point(|one| islands.of_body(one.body) <= island);
+        let own_between = between.partition_point(|contact| islands.of_contact(state, contact) <= island);
+        let mut system = System {
+            model,
+            bodies,
+            dt: dt.to_f64(),
+            level: plan.simd,
+            threads: plan.threads,
+            grab,
+            at_obstacles: at_obstacles.split_off_mut(..own).unwrap_or_default(),
+            between_bodies: between.split_off_mut(..own_between).unwrap_or_default(),
+            weights,
+            exact,
+            workspace,
+        };
+        system.solve(substep, force, recorder);
+        if recorder.has_stopped() {
+            break;
         }
-        let own = constraints.partition_point(|constraint| constraint.particle < body.particles.end);
-        let (own, others) = constraints.split_at_mut(own);
-        constraints = others;
-        let range = body.particles.clone();
-        let grab = grab.filter(|grab| grab.body == number);
-        let (dt, level, threads) = (dt.to_f64(), plan.simd, plan.threads);
-        let exact = &mut stepper.forces.exact;
-        let mut system =
-            System { body, number, dt, level, threads, grab, constraints: own, uses_grids: false, exact, workspace };
-        let own = [&state.position[..], &state.velocity, force].map(|of| &of[range.clone()]);
-        system.assemble(plan, &state.bodies[number], own, &|| recorder.stops());
-        system.prepare_grids(plan.families, own[0], &|| recorder.stops());
+        system.finish(velocity);
+    }
+    workspace.islands = islands;
+    if !between_bodies.is_empty() {
+        contact.constraints.sort_unstable_by_key(ParticleConstraint::place);
+        between_bodies.sort_unstable_by_key(|contact| contact.number);
+    }
+}
+
+impl<R: Real> System<'_, R> {
+    /// Solves the equations, in rounds; gives up if asked to stop.
+    fn solve(&mut self, substep: Substep<'_, R>, force: &[R::Vec3], recorder: &mut Recorder<'_>) {
+        self.assemble(substep, force, &|| recorder.stops());
+        self.prepare_grids(substep, &|| recorder.stops());
+        self.prepare_rigid_motions(&substep.state.position);
         if recorder.has_stopped() {
             return;
         }
-        let squared_tolerance = system.start();
-        let mut is_rough = !system.constraints.is_empty();
+        self.start();
+        let mut is_rough = !self.is_untouched();
         for round in 1..=MAX_ROUNDS {
-            let accuracy = if is_rough && round <= ROUGH_ROUNDS { Accuracy::Rough } else { Accuracy::Full };
-            let solve = system.iterate(squared_tolerance, accuracy, &|| recorder.stops());
+            let accuracy = match round {
+                _ if !is_rough => Accuracy::Full,
+                1..=ROUGH_ROUNDS => Accuracy::Share(ROUGH_SHARE),
+                _ if round + CAREFUL_ROUNDS <= MAX_ROUNDS => Accuracy::Share(FINE_SHARE),
+                _ => Accuracy::Full,
+            };
+            let solve = self.iterate(accuracy, &|| recorder.stops());
             recorder.counters.solves += 1;
             recorder.counters.iterations += solve.iterations;
             if recorder.has_stopped() {
                 return;
             }
-            let is_full_step = round + CAREFUL_ROUNDS > MAX_ROUNDS || system.line_search();
-            let must_solve_again = system.update_constraints(round + CAREFUL_ROUNDS >= MAX_ROUNDS);
+            let is_full_step = round + CAREFUL_ROUNDS > MAX_ROUNDS || self.line_search();
+            let must_solve_again = self.update_constraints(round + CAREFUL_ROUNDS >= MAX_ROUNDS);
             let is_settled = is_full_step && !must_solve_again;
             if is_settled && (solve.is_full || accuracy == Accuracy::Full) {
                 break;
@@ -115,7 +156,6 @@ pub(super) fn solve<R: Real>(
             // Constraints that a rough solution leaves as they are count only after a full solve.
             is_rough = !is_settled;
         }
-        system.finish(&mut velocity[range]);
     }
 }
 
@@ -124,31 +164,70 @@ pub(super) fn solve<R: Real>(
 const STIFF_MASS_RATIO: f64 = 64.0;
 
 impl<R: Real> System<'_, R> {
-    /// Prepares the coarse grids of a body if its equations are stiff, until it `stops`.
-    fn prepare_grids(&mut self, families: [bool; 3], position: &[R::Vec3], stops: &dyn Fn() -> bool) {
-        let Some(grids) = &mut self.workspace.grids[self.number] else { return };
-        let count = self.body.particles.len();
-        let resists: f64 = self.workspace.diagonal[..count].iter().sum();
-        self.uses_grids = resists > STIFF_MASS_RATIO * self.body.total_mass().to_f64();
-        if self.uses_grids {
-            grids.prepare(self.body, families, self.dt, position, stops);
+    /// Prepares the coarse grids of bodies whose equations are stiff, until it `stops`.
+    fn prepare_grids(&mut self, substep: Substep<'_, R>, stops: &dyn Fn() -> bool) {
+        for (number, own) in self.ranges() {
+            let body = &self.model.bodies[number];
+            let ImplicitWorkspace { bodies, diagonal, .. } = &mut *self.workspace;
+            let BodyEquations { grids, uses_grids, .. } = &mut bodies[number];
+            let Some(grids) = grids else { continue };
+            let resists: f64 = diagonal[own.clone()].iter().sum();
+            *uses_grids = resists > STIFF_MASS_RATIO * body.total_mass().to_f64();
+            if *uses_grids {
+                grids.prepare(body, substep.plan.families, self.dt, &substep.state.position[own], stops);
+            }
         }
     }
 
     /// Adapts every constraint to the solution. Returns whether the equations must be solved again.
     fn update_constraints(&mut self, carefully: bool) -> bool {
+        let velocity = &self.workspace.velocity;
         let mut must_solve_again = false;
-        for constraint in &mut *self.constraints {
-            let local = constraint.particle - self.body.particles.start;
-            must_solve_again |= constraint.relinearize(self.workspace.velocity[local], carefully);
+        for ParticleConstraint { particle, constraint, .. } in &mut *self.at_obstacles {
+            must_solve_again |= constraint.relinearize(velocity[*particle], carefully);
+        }
+        for contact in &mut *self.between_bodies {
+            let relative_velocity = contact.sum(self.weights, velocity);
+            must_solve_again |= contact.constraint.relinearize(relative_velocity, carefully);
         }
         must_solve_again
     }
 
-    fn finish(&self, velocity: &mut [R::Vec3]) {
-        for (local, velocity) in velocity.iter_mut().enumerate() {
-            let pinned = self.body.is_pinned(local);
-            *velocity = if pinned { R::Vec3::ZERO } else { R::Vec3::from_dvec3(self.workspace.velocity[local]) };
+    /// Gives bodies that touch nothing, or only each other, the momentum that they had and that of the forces on them: their
+    /// equations are not solved exactly.
+    fn keep_momentum(&mut self) {
+        let is_free = |number: &usize| {
+            let is_held = self.grab.is_some_and(|grab| grab.body == *number);
+            !is_held && self.model.bodies[*number].pinned == Values::Uniform(false)
+        };
+        if !self.at_obstacles.is_empty() || !self.bodies.iter().all(is_free) {
+            return;
+        }
+        let ImplicitWorkspace { right_hand_side, velocity, .. } = &mut *self.workspace;
+        let (mut lost, mut total) = (DVec3::ZERO, 0.0);
+        for &number in self.bodies {
+            let body = &self.model.bodies[number];
+            for (local, particle) in body.particles.clone().enumerate() {
+                let mass = body.mass(local).to_f64();
+                lost += right_hand_side[particle] - velocity[particle] * mass;
+                total += mass;
+            }
+        }
+        for &number in self.bodies {
+            for velocity in &mut velocity[self.model.bodies[number].particles.clone()] {
+                *velocity += lost / total;
+            }
+        }
+    }
+
+    fn finish(&mut self, velocity: &mut [R::Vec3]) {
+        self.keep_momentum();
+        for (number, own) in self.ranges() {
+            let body = &self.model.bodies[number];
+            let solved = self.workspace.velocity[own.clone()].iter().zip(&mut velocity[own]);
+            for (local, (solved, velocity)) in solved.enumerate() {
+                *velocity = if body.is_pinned(local) { R::Vec3::ZERO } else { R::Vec3::from_dvec3(*solved) };
+            }
         }
     }
 }

@@ -1,10 +1,15 @@
-//! The equations of one body, and the workspace that they are solved in.
+//! The equations of bodies that touch, and the workspace that all bodies' equations are solved in.
+
+use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
+use super::islands::Islands;
 use super::multigrid::Multigrid;
+use super::points::PointBlocks;
+use super::rigid::RigidMotions;
 use crate::math::{Real, Vector};
-use crate::physics::contact::ContactConstraint;
+use crate::physics::contact::{ParticleConstraint, WeightedConstraint};
 use crate::physics::forces::exact::ExactLinks;
 use crate::physics::forces::recovery::Resistance;
 use crate::physics::interaction::Grab;
@@ -29,21 +34,59 @@ impl<R: Real> LinkBlock<R> {
     }
 }
 
-/// The workspace for the equations, with room for the largest body.
-#[derive(Clone, Debug, Default)]
-pub(in crate::physics::schemes) struct ImplicitWorkspace<R: Real> {
-    /// The blocks of links for a body with a box, ...
+/// The part of one body in the equations.
+#[derive(Clone, Debug)]
+pub(super) struct BodyEquations<R: Real> {
+    /// The blocks of links of a body with a box, ...
     pub(super) tangents: Tangents<R>,
-    /// ... and for one without, in the order of the links.
+    /// ... and of one without, in the order of the links.
     pub(super) blocks: Vec<LinkBlock<R>>,
     /// The resistances of cells that are pushed back from inversion.
     pub(super) resistances: Vec<Resistance>,
+    /// The coarse grids, if it is large enough for them.
+    pub(super) grids: Option<Multigrid>,
+    /// Whether the coarse grids take part.
+    pub(super) uses_grids: bool,
+    /// The squared norm of its residual, ...
+    pub(super) squared_residual: f64,
+    /// ... and what that has to come down to, ...
+    pub(super) squared_tolerance: f64,
+    /// ... and the same in a rough round.
+    pub(super) goal: f64,
+}
+
+impl<R: Real> BodyEquations<R> {
+    fn new(body: &BodyModel<R>) -> Self {
+        let links = if body.boxed_links.is_some() { 0 } else { body.link_count() };
+        Self {
+            tangents: Tangents::new(body.boxed_links.as_ref()),
+            blocks: Vec::with_capacity(links),
+            // More crushed cells than a body has surface particles allocate room once.
+            resistances: Vec::with_capacity(body.lattice.surface),
+            grids: Multigrid::new(body),
+            uses_grids: false,
+            squared_residual: 0.0,
+            squared_tolerance: 0.0,
+            goal: 0.0,
+        }
+    }
+}
+
+/// The workspace for the equations. Vectors have an entry for every particle of the scene.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics::schemes) struct ImplicitWorkspace<R: Real> {
+    pub(super) bodies: Vec<BodyEquations<R>>,
+    pub(super) islands: Islands,
     /// The diagonal of the matrix without constraints, by particle, kg, ...
     pub(super) diagonal: Vec<f64>,
     /// ... and its inverse for each component; zero where a particle is pinned.
     pub(super) inverse_diagonal: Vec<DVec3>,
-    /// The inverse blocks of touched particles, in order; room for one for each constraint.
-    pub(super) inverse_blocks: Vec<DMat3>,
+    /// The inverse blocks of particles that touch obstacles, in order.
+    pub(super) inverse_blocks: Vec<(usize, DMat3)>,
+    /// What the preconditioner knows of contacts between bodies.
+    pub(super) points: PointBlocks,
+    /// The bodies as rigid ones.
+    pub(super) rigid: RigidMotions,
     pub(super) right_hand_side: Vec<DVec3>,
     pub(super) velocity: Vec<DVec3>,
     pub(super) residual: Vec<DVec3>,
@@ -53,26 +96,23 @@ pub(in crate::physics::schemes) struct ImplicitWorkspace<R: Real> {
     /// The velocity before a round, and the residual there.
     pub(super) before: Vec<DVec3>,
     pub(super) residual_before: Vec<DVec3>,
-    /// The coarse grids of every body that is large enough for them.
-    pub(super) grids: Vec<Option<Multigrid>>,
 }
 
 impl<R: Real> ImplicitWorkspace<R> {
     /// Room for the bodies of a model.
     pub(in crate::physics::schemes) fn new(model: &Model<R>) -> Self {
-        let most = |count: fn(&BodyModel<R>) -> usize| model.bodies.iter().map(count).max().unwrap_or(0);
-        let particles = most(|body| body.particles.len());
-        let links = most(|body| if body.boxed_links.is_some() { 0 } else { body.link_count() });
-        // More crushed cells or contacts than a body has surface particles allocate room once.
-        let surface = most(|body| body.lattice.surface);
+        let particles = model.particle_count();
+        // More contacts than there are surface particles allocate room once.
+        let surface = model.bodies.iter().map(|body| body.lattice.surface).sum();
         let vectors = || vec![DVec3::ZERO; particles];
         Self {
-            tangents: Tangents::new(model.bodies.iter().filter_map(|body| body.boxed_links.as_ref())),
-            blocks: Vec::with_capacity(links),
-            resistances: Vec::with_capacity(surface),
+            bodies: model.bodies.iter().map(BodyEquations::new).collect(),
+            islands: Islands::new(model.bodies.len()),
             diagonal: vec![0.0; particles],
             inverse_diagonal: vectors(),
             inverse_blocks: Vec::with_capacity(surface),
+            points: PointBlocks::default(),
+            rigid: RigidMotions::default(),
             right_hand_side: vectors(),
             velocity: vectors(),
             residual: vectors(),
@@ -81,26 +121,41 @@ impl<R: Real> ImplicitWorkspace<R> {
             product: vectors(),
             before: vectors(),
             residual_before: vectors(),
-            grids: model.bodies.iter().map(Multigrid::new).collect(),
         }
     }
 }
 
-/// The equations of one body.
+/// The equations of one body, or of several that touch each other.
 pub(super) struct System<'a, R: Real> {
-    pub(super) body: &'a BodyModel<R>,
-    /// The body's place among the bodies.
-    pub(super) number: usize,
+    pub(super) model: &'a Model<R>,
+    /// The numbers of the bodies, ascending.
+    pub(super) bodies: &'a [usize],
     pub(super) dt: f64,
     /// The instruction set for products, ...
     pub(super) level: SimdLevel,
     /// ... and the number of threads.
     pub(super) threads: usize,
     pub(super) grab: Option<&'a Grab<R>>,
-    pub(super) constraints: &'a mut [ContactConstraint],
-    /// Whether the coarse grids take part.
-    pub(super) uses_grids: bool,
-    /// The links in the box of the body.
+    /// The constraints of particles at obstacles, by particle.
+    pub(super) at_obstacles: &'a mut [ParticleConstraint],
+    /// Those of points of these bodies in cells of these bodies, ...
+    pub(super) between_bodies: &'a mut [WeightedConstraint],
+    /// ... and the particles that all contacts between bodies weigh.
+    pub(super) weights: &'a [(u32, f64)],
+    /// The links in the boxes of bodies.
     pub(super) exact: &'a mut ExactLinks,
     pub(super) workspace: &'a mut ImplicitWorkspace<R>,
+}
+
+impl<'a, R: Real> System<'a, R> {
+    /// The numbers of the bodies, with their particles.
+    pub(super) fn ranges(&self) -> impl Iterator<Item = (usize, Range<usize>)> + Clone + use<'a, R> {
+        let model = self.model;
+        self.bodies.iter().map(move |number| (*number, model.bodies[*number].particles.clone()))
+    }
+
+    /// Whether nothing but itself acts on a single body.
+    pub(super) fn is_untouched(&self) -> bool {
+        self.at_obstacles.is_empty() && self.between_bodies.is_empty()
+    }
 }

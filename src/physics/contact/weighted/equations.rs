@@ -1,0 +1,75 @@
+//! Contacts of points among the equations of the implicit integrator: each is one constraint on a weighted sum of velocities.
+
+use glam::DVec3;
+
+use super::constraint::PointConstraint;
+use super::movers::Movers;
+use crate::math::{Real, Vector};
+use crate::physics::contact::ContactConstraint;
+use crate::physics::model::Model;
+use crate::physics::state::State;
+
+/// A contact of a point among the equations.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct WeightedConstraint {
+    /// Its place among the contacts.
+    pub(in crate::physics) number: u32,
+    /// The body of the point, and that of the cell that it is in.
+    pub(in crate::physics) bodies: [usize; 2],
+    /// Whether it keeps the point from getting deeper. Where few particles of a held cell are free these would be thrown
+    /// ([`super::constraint`]); there the spring alone pushes.
+    pub(in crate::physics) has_depth_limit: bool,
+    first_weight: u32,
+    weight_count: u32,
+    pub(in crate::physics) constraint: ContactConstraint,
+}
+
+impl WeightedConstraint {
+    /// The free particles whose velocities it weighs, with their weights: entries of [`WeightedConstraints::weights`].
+    pub(in crate::physics) fn own<'a>(&self, weights: &'a [(u32, f64)]) -> &'a [(u32, f64)] {
+        &weights[self.first_weight as usize..][..self.weight_count as usize]
+    }
+
+    /// The weighted sum of some vectors of all particles.
+    pub(in crate::physics) fn sum(&self, weights: &[(u32, f64)], of: &[DVec3]) -> DVec3 {
+        self.own(weights).iter().fold(DVec3::ZERO, |sum, &(particle, weight)| sum + of[particle as usize] * weight)
+    }
+}
+
+/// The contacts of points in a substep among the equations.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics) struct WeightedConstraints {
+    pub(in crate::physics) all: Vec<WeightedConstraint>,
+    pub(in crate::physics) weights: Vec<(u32, f64)>,
+}
+
+impl WeightedConstraints {
+    /// Forgets all.
+    pub(in crate::physics::contact) fn clear(&mut self) {
+        self.all.clear();
+        self.weights.clear();
+    }
+
+    /// Adds a contact of two bodies, as it is when a substep begins.
+    pub(in crate::physics::contact) fn add<R: Real>(
+        &mut self,
+        point: &PointConstraint,
+        bodies: [usize; 2],
+        movers: &Movers,
+        (model, state): (&Model<R>, &State<R>),
+    ) {
+        let size = bodies.map(|body| model.bodies[body].size.to_f64()).into_iter().fold(f64::INFINITY, f64::min);
+        let free = movers.weighted_movers(point.shares()).filter(|(mover, _)| mover.mobility > 0.0);
+        let first = self.weights.len();
+        self.weights.extend(free.map(|(mover, weight)| (mover.particle, weight)));
+        #[expect(clippy::cast_possible_truncation, reason = "contacts are counted in 32 bits, and weigh few particles")]
+        let [first_weight, weight_count, number] =
+            [first, self.weights.len() - first, self.all.len()].map(|count| count as u32);
+        let velocity = self.weights[first..]
+            .iter()
+            .fold(DVec3::ZERO, |sum, &(particle, weight)| sum + state.velocity[particle as usize].to_dvec3() * weight);
+        let constraint = point.in_equations(velocity, movers, size);
+        let has_depth_limit = !point.throws();
+        self.all.push(WeightedConstraint { number, bodies, has_depth_limit, first_weight, weight_count, constraint });
+    }
+}
