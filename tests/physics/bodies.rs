@@ -353,6 +353,15 @@ fn steps_in_which_bodies_meet_allocate_nothing() {
         simulation.step();
     }
     assert_eq!(allocations() - before, 0, "a hundred steps of a stack");
+    let mut solved = simulate::<f32>(&stiff_askew());
+    run(&mut solved, 0.1);
+    let before = allocations();
+    let mut solves = 0;
+    for _ in 0..400 {
+        solves += solved.step().counters.solves;
+    }
+    assert!(solves > 200, "they are solved for");
+    assert_eq!(allocations() - before, 0, "four hundred steps of stiff bodies that hit each other");
 }
 
 #[test]
@@ -490,7 +499,8 @@ fn stiff_bodies_are_solved_for_together_and_keep_momentum() {
     assert_eq!(plan.scheme, Scheme::Implicit);
     let [given, lost] = exchanged::<f64>(&stiff_askew());
     assert!(given[0] > 1.0 && given[1] > 0.1, "they meet: {given:?}");
-    assert!(lost[0] < 1e-12, "{} of the momentum", lost[0]);
+    // Backward Euler loses some of the spin of each body, see `integrators`.
+    assert!(lost[0] < 1e-12 && lost[1] < 2e-2, "{lost:?} of what is exchanged");
     let [_, lost] = exchanged::<f32>(&stiff_askew());
     assert!(lost[0] < 1e-5, "{} of the momentum", lost[0]);
 }

@@ -68,6 +68,6 @@ pub(super) use surface::Surface;
 pub(super) use swept_point::SweptPoint;
 pub use weighted::DEPTH_SHARE;
 pub(super) use weighted::{
-    PARTING_SPEED_SHARE, STIFFNESS_OVER_MASS, WeightedConstraint, WeightedConstraints, pressed_at_end,
+    BYTES_A_CONTACT, PARTING_SPEED_SHARE, STIFFNESS_OVER_MASS, WeightedConstraint, WeightedConstraints, pressed_at_end,
 };
 pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace, SURFACE_PARTICLES_A_CONTACT};

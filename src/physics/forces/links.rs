@@ -109,19 +109,20 @@ pub(in crate::physics) struct LinkTangent<R: Real> {
     pub(in crate::physics) direction: R::Vec3,
     /// Stiffness along the direction, N/m.
     pub(in crate::physics) stiffness: R,
-    /// The share of the stiffness that acts across the direction: the geometric stiffness of a link under tension; zero in a
-    /// compressed link.
+    /// The share of the stiffness that acts across the direction: the geometric stiffness of a link under tension, of which
+    /// turning in the last step has no part; zero in a compressed link.
     pub(in crate::physics) geometric_share: R,
     /// Damping along the direction, N·s/m.
     pub(in crate::physics) damping: R,
 }
 
 /// Calls `visit` with the ends (local numbers) of every link of the chosen families that has a direction, and its
-/// tangent, until it `stops`. `position` is the body's own.
+/// tangent, until it `stops`. Positions, m, and velocities, m/s, are the body's own; steps are of `dt` (s).
 pub(in crate::physics) fn for_each_tangent<R: Real>(
     body: &BodyModel<R>,
     families: [bool; 3],
-    position: &[R::Vec3],
+    [position, velocity]: [&[R::Vec3]; 2],
+    dt: R,
     stops: &dyn Fn() -> bool,
     mut visit: impl FnMut([u32; 2], LinkTangent<R>),
 ) {
@@ -130,15 +131,19 @@ pub(in crate::physics) fn for_each_tangent<R: Real>(
             if number % LINKS_PER_STOP_CHECK == 0 && stops() {
                 return;
             }
-            let d = position[link.ends[1] as usize] - position[link.ends[0] as usize];
+            let [from, to] = link.ends.map(|end| end as usize);
+            let d = position[to] - position[from];
             let length = d.length();
             if length > R::ZERO {
                 let inverse = R::ONE / length;
                 let [stiffness, damping] = family.constants(number);
+                let way = (velocity[to] - velocity[from]) * dt;
+                let along = way.dot(d) * inverse;
+                let unturned = (length * length - (way.dot(way) - along * along)).max(R::ZERO).sqrt();
                 let tangent = LinkTangent {
                     direction: d * inverse,
                     stiffness: stiffness * link.inverse_rest_length,
-                    geometric_share: (R::ONE - link.rest_length * inverse).max(R::ZERO),
+                    geometric_share: (R::ONE - link.rest_length / unturned).max(R::ZERO),
                     damping: damping * link.inverse_rest_length,
                 };
                 visit(link.ends, tangent);

@@ -392,7 +392,7 @@ const DT: f64 = 0.05;
 /// vector, and the sum of magnitudes of each product.
 fn listed_product<R: Real>(
     families: &[LinkFamily<R>; 3],
-    position: &[R::Vec3],
+    [position, velocity]: &[Vec<R::Vec3>; 2],
     chosen: [bool; 3],
     of: &[DVec3],
 ) -> (Vec<f64>, Vec<DVec3>, Vec<f64>) {
@@ -407,7 +407,9 @@ fn listed_product<R: Real>(
             }
             let [stiffness, damping] = family.constants(number).map(Real::to_f64);
             let (length, rest) = (d.length(), link.rest_length.to_f64());
-            let across = DT * DT * stiffness / rest * (1.0 - rest / length).max(0.0);
+            let turned = ((velocity[j] - velocity[i]).to_dvec3() * DT).reject_from(d);
+            let unturned = (length * length - turned.length_squared()).max(0.0).sqrt();
+            let across = DT * DT * stiffness / rest * (1.0 - rest / unturned).max(0.0);
             let along = DT * DT * stiffness / rest - across + DT * damping / rest;
             let difference = of[i] - of[j];
             let part = difference * across + d * (along * d.dot(difference) / (length * length));
@@ -425,14 +427,14 @@ fn listed_product<R: Real>(
 /// Returns the same diagonal and product from the kernel.
 fn boxed_product<R: Real>(
     links: &BoxedLinks<R>,
-    position: &[R::Vec3],
+    [position, velocity]: &[Vec<R::Vec3>; 2],
     choice: (SimdLevel, [bool; 3]),
     cuts: &[f64],
     of: &[DVec3],
 ) -> (Vec<f64>, Vec<DVec3>) {
     let mut tangents = Tangents::new(Some(links));
     let (mut diagonal, mut product) = (vec![0.0; of.len()], vec![DVec3::ZERO; of.len()]);
-    tangents.assemble(links, choice, DT, position, |particle, third| diagonal[particle] += third);
+    tangents.assemble(links, choice, DT, [position, velocity], |particle, third| diagonal[particle] += third);
     let links = links.in_double();
     let mut rest = &mut product[..];
     for mut piece in pieces(&links, cuts) {
@@ -450,14 +452,14 @@ fn compare_products<R: Real>() -> f64 {
     let mut rng = Rng::new(12);
     let mut farthest = 0.0_f64;
     for Shape { name, lattice } in &shapes() {
-        let [position, _] = motion::<R>(lattice);
-        let of: Vec<_> = position.iter().map(|_| DVec3::from([0; 3].map(|_| rng.between(-1.0, 1.0)))).collect();
+        let motion = motion::<R>(lattice);
+        let of: Vec<_> = motion[0].iter().map(|_| DVec3::from([0; 3].map(|_| rng.between(-1.0, 1.0)))).collect();
         for material in [Material::Alike, Material::Mixed] {
             let families = families::<R>(lattice, material, [0.1, 0.0, 0.3]);
             let links = in_box(lattice, &families);
             for chosen in [[true; 3], [true, true, false], [false, true, false]] {
-                let (diagonal, expected, scale) = listed_product(&families, &position, chosen, &of);
-                let first = boxed_product(&links, &position, (SimdLevel::Portable, chosen), &[], &of);
+                let (diagonal, expected, scale) = listed_product(&families, &motion, chosen, &of);
+                let first = boxed_product(&links, &motion, (SimdLevel::Portable, chosen), &[], &of);
                 let off = largest_difference::<f64>(&first.1, &expected, &scale) * f64::EPSILON / R::EPSILON.to_f64();
                 farthest = farthest.max(off);
                 for (found, expected) in first.0.iter().zip(&diagonal) {
@@ -465,7 +467,7 @@ fn compare_products<R: Real>() -> f64 {
                 }
                 for level in levels() {
                     for cuts in CUTS {
-                        let cut = boxed_product(&links, &position, (level, chosen), cuts, &of);
+                        let cut = boxed_product(&links, &motion, (level, chosen), cuts, &of);
                         assert!(cut == first, "{name} {material:?} {chosen:?}: other bits in {cuts:?} at {level:?}");
                     }
                 }
@@ -485,12 +487,12 @@ fn the_matrix_of_links_in_their_box_is_that_along_their_list() {
 #[test]
 fn a_matrix_of_the_wrong_links_is_seen() {
     let Shape { lattice, .. } = shape("block", [8, 8, 8], |_| true);
-    let [position, velocity] = motion::<f32>(&lattice);
-    let of: Vec<_> = velocity.iter().map(|v| v.to_dvec3()).collect();
+    let motion = motion::<f32>(&lattice);
+    let of: Vec<_> = motion[1].iter().map(|v| v.to_dvec3()).collect();
     let families = families::<f32>(&lattice, Material::Mixed, [0.1; 3]);
     let links = in_box(&lattice, &families);
-    let (_, expected, scale) = listed_product(&families, &position, [true; 3], &of);
-    let (_, product) = boxed_product(&links, &position, (SimdLevel::best(), [true, true, false]), &[], &of);
+    let (_, expected, scale) = listed_product(&families, &motion, [true; 3], &of);
+    let (_, product) = boxed_product(&links, &motion, (SimdLevel::best(), [true, true, false]), &[], &of);
     let off = largest_difference::<f64>(&product, &expected, &scale) * f64::EPSILON / f64::from(f32::EPSILON);
     assert!(off > 1000.0 * ROUNDINGS_OF_A_PRODUCT, "without bending: {off} roundings");
 }

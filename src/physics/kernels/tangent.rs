@@ -24,8 +24,10 @@ use crate::physics::kernels::sweep::{
 pub(in crate::physics) struct Tangents<R> {
     blocks: Vec<TermBlocks<R>>,
     families: [bool; 3],
-    /// Positions, m.
+    /// Positions, m, ...
     position: [Vec<R>; 3],
+    /// ... and velocities, m/s.
+    velocity: [Vec<R>; 3],
     /// The diagonal of the blocks while they are made.
     diagonal: Vec<f64>,
 }
@@ -41,7 +43,7 @@ struct TermBlocks<R> {
 /// box.
 pub(in crate::physics) fn tangent_bytes(links: usize, corners: usize) -> usize {
     let places = (STENCIL.len() * corners).min(MAX_PLACES_PER_LINK * links);
-    places * size_of::<[f32; 4]>() + corners * size_of::<([f32; 3], f64)>()
+    places * size_of::<[f32; 4]>() + corners * size_of::<([f32; 6], f64)>()
 }
 
 impl<R: Real> Tangents<R> {
@@ -53,15 +55,16 @@ impl<R: Real> Tangents<R> {
             blocks: vec![TermBlocks { across: zeros, along: [zeros; 3] }; terms],
             families: [false; 3],
             position: [(); 3].map(|()| vec![R::ZERO; corners]),
+            velocity: [(); 3].map(|()| vec![R::ZERO; corners]),
             diagonal: vec![0.0; corners],
         }
     }
 
-    /// Makes the blocks of a body whose particles are at `position` (m), for a step of `dt` (s):
+    /// Makes the blocks of a body whose particles have these positions (m) and velocities (m/s), for a step of `dt` (s):
     ///
     /// ```text
     /// dt² K⁺ + dt C of a link = across I + along d̂ d̂ᵀ
-    /// across = dt² max(0, k/l0 − k/l)      along = dt² k/l0 − across + dt d/l0
+    /// across = dt² max(0, k/l0 − k/l*)     along = dt² k/l0 − across + dt d/l0     l*² = l² − dt² |v⊥|²
     /// ```
     ///
     /// Calls `diagonal` with each particle and a third of the trace of what the blocks add to its block on the diagonal.
@@ -70,10 +73,10 @@ impl<R: Real> Tangents<R> {
         links: &BoxedLinks<R>,
         (level, families): (SimdLevel, [bool; 3]),
         dt: f64,
-        position: &[R::Vec3],
+        [position, velocity]: [&[R::Vec3]; 2],
         mut diagonal: impl FnMut(usize, f64),
     ) {
-        let Self { blocks, families: chosen, position: places, diagonal: sum } = self;
+        let Self { blocks, families: chosen, position: places, velocity: speeds, diagonal: sum } = self;
         let layout = &*links.layout;
         *chosen = families;
         sum.fill(0.0);
@@ -82,7 +85,8 @@ impl<R: Real> Tangents<R> {
             #[inline(always)]
             || {
                 scatter(&layout.runs, [0; 2], position, places);
-                assemble_all(links, families, secs, slices(places), blocks, sum);
+                scatter(&layout.runs, [0; 2], velocity, speeds);
+                assemble_all(links, families, secs, [slices(places), slices(speeds)], blocks, sum);
             },
         );
         for Run { particles, corner } in &layout.runs {
@@ -121,7 +125,7 @@ fn assemble_all<R: Real>(
     links: &BoxedLinks<R>,
     families: [bool; 3],
     secs: [R; 2],
-    position: [&[R]; 3],
+    [position, velocity]: [[&[R]; 3]; 2],
     blocks: &mut [TermBlocks<R>],
     diagonal: &mut [f64],
 ) {
@@ -129,7 +133,7 @@ fn assemble_all<R: Real>(
     let ones = [R::ONE; BLOCK];
     for block in &links.layout.blocks {
         let of_corners = lanes(masks, block.first);
-        let near = lanes_of(position, block.first);
+        let [near, near_velocity] = [position, velocity].map(|of| lanes_of(of, block.first));
         let mut sum = [0.0; BLOCK];
         for number in block.terms.clone() {
             let Term { slot, .. } = terms[number];
@@ -137,7 +141,7 @@ fn assemble_all<R: Real>(
                 continue;
             }
             let other = block.first + offsets[slot];
-            let far = lanes_of(position, other);
+            let [far, far_velocity] = [position, velocity].map(|of| lanes_of(of, other));
             let mask = Mask { of_corners, bit: 1 << slot };
             let (law, constants) = match links.law(number, slot) {
                 TermLaw::Alike(law) => (*law, [&ones; 2]),
@@ -152,6 +156,7 @@ fn assemble_all<R: Real>(
                 secs,
                 mask,
                 [near, far],
+                [near_velocity, far_velocity],
                 &mut blocks[number],
                 &mut sum,
                 lanes_mut(diagonal, other),
@@ -171,6 +176,7 @@ fn assemble_term<R: Real>(
     [squared_secs, secs]: [R; 2],
     mask: Mask<'_>,
     [[near_x, near_y, near_z], [far_x, far_y, far_z]]: [Lanes<'_, R>; 2],
+    [[near_u, near_v, near_w], [far_u, far_v, far_w]]: [Lanes<'_, R>; 2],
     blocks: &mut TermBlocks<R>,
     on_near: &mut [f64; BLOCK],
     on_far: &mut [f64; BLOCK],
@@ -184,9 +190,16 @@ fn assemble_term<R: Real>(
         let inverse = R::ONE / squared.sqrt();
         // Ends in one place have no direction, and places without a link may hold anything.
         let is_there = squared > R::ZERO && mask.of_corners[lane] & mask.bit != 0;
+        let way_x = secs * (far_u[lane] - near_u[lane]);
+        let way_y = secs * (far_v[lane] - near_v[lane]);
+        let way_z = secs * (far_w[lane] - near_w[lane]);
+        let way_along = (way_x * dx + way_y * dy + way_z * dz) * inverse;
+        let turned_by = way_x * way_x + way_y * way_y + way_z * way_z - way_along * way_along;
+        // No number where turning made all of the length: then nothing acts across.
+        let inverse_unturned = R::ONE / (squared - turned_by).sqrt();
         let stiff = squared_secs * (law.slope * stiffness[lane]);
-        let turned = stiff - squared_secs * (law.stiffness * stiffness[lane]) * inverse;
-        let across = if turned > R::ZERO { turned } else { R::ZERO };
+        let tense = stiff - squared_secs * (law.stiffness * stiffness[lane]) * inverse_unturned;
+        let across = if tense > R::ZERO { tense } else { R::ZERO };
         let along = stiff - across + secs * (law.damping * damping[lane]);
         let across = if is_there { across } else { R::ZERO };
         let along = if is_there { along } else { R::ZERO };

@@ -19,7 +19,8 @@ use crate::physics::step::substep::Substep;
 /// The workspace of a scheme between two states; vectors that a scheme does not need are empty.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct SchemeWorkspace<R: Real> {
-    /// Mean velocity over the substep, m/s, for schemes that move particles with it rather than with that at the end.
+    /// Mean velocity over the substep, m/s, for schemes that move particles with it rather than with that at the end, and for
+    /// the implicit one, which moves bodies that turn along arcs.
     pub(in crate::physics) mean_velocity: Option<Vec<R::Vec3>>,
     /// The predicted velocities, m/s, before contact changed them.
     pub(super) predicted: Vec<R::Vec3>,
@@ -47,7 +48,7 @@ impl<R: Real> SchemeWorkspace<R> {
         let has_changes = moves_by_mean(plan.scheme) && plan.scheme != Scheme::Stabilised;
         let surface = || model.bodies.iter().map(|body| body.lattice.surface).sum();
         Self {
-            mean_velocity: moves_by_mean(plan.scheme).then(|| room(true)),
+            mean_velocity: (moves_by_mean(plan.scheme) || plan.scheme == Scheme::Implicit).then(|| room(true)),
             predicted: room(moves_by_mean(plan.scheme)),
             after_contact: room(has_changes),
             pushed: Vec::with_capacity(if has_changes { model.particle_count() } else { 0 }),

@@ -45,6 +45,7 @@ use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{ContactRule, Scheme};
 use crate::physics::modes;
 use crate::physics::observe::runaway::runs_away;
+use crate::physics::schemes::implicit::arcs;
 use crate::physics::schemes::implicit::balance::{SubstepEnd, body_gains_energy, gains_energy};
 use crate::physics::schemes::{self, SchemeWorkspace};
 use crate::physics::state::fallen;
@@ -198,15 +199,21 @@ fn find_velocities<R: Real>(
     if on_energy_gain == OnEnergyGain::Take || recorder.has_stopped() {
         return true;
     }
-    let StepWorkspace { velocity, force, contact, forces: of_forces, .. } = workspace;
+    let StepWorkspace { velocity, force, contact, scheme, forces: of_forces, .. } = workspace;
     let (contacts, between_bodies) = (&contact.contacts[..], &contact.bodies.contacts[..]);
-    let end = SubstepEnd { velocity, force, contacts, between_bodies };
+    let end = SubstepEnd { velocity, moving: scheme.moving(velocity), force, contacts, between_bodies };
     let stops = || recorder.stops();
-    if stays_finite(substep, velocity) && !gains_energy(substep, end, &mut of_forces.exact, &stops) {
+    if stays_finite(substep, velocity)
+        && stays_finite(substep, end.moving)
+        && !gains_energy(substep, end, &mut of_forces.exact, &stops)
+    {
         return true;
     }
     if on_energy_gain == OnEnergyGain::Slow {
         slow(substep, velocity, (force, contacts, between_bodies), &mut of_forces.exact, &stops);
+        if let Some(moving) = &mut scheme.mean_velocity {
+            moving.copy_from_slice(velocity);
+        }
     }
     on_energy_gain == OnEnergyGain::Slow
 }
@@ -268,7 +275,7 @@ fn slow<R: Real>(
         for halvings_left in (0..MAX_VELOCITY_HALVINGS).rev() {
             let is_finite =
                 own.clone().all(|p| velocity[p].is_finite() && (state.position[p] + velocity[p] * dt).is_finite());
-            let end = SubstepEnd { velocity, force, contacts, between_bodies };
+            let end = SubstepEnd { velocity, moving: velocity, force, contacts, between_bodies };
             if is_finite && !body_gains_energy(substep, number, end, exact, stops) {
                 break;
             }
@@ -414,6 +421,9 @@ fn solved_velocities<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorks
         contact::bodies::count_parting_work(substep, velocity, &contact.bodies, recorder);
     }
     recorder.enter(Stage::Integrate);
+    if let Some(moving) = &mut workspace.scheme.mean_velocity {
+        arcs::write(substep.model, substep.state, substep.dt.to_f64(), &workspace.velocity, moving);
+    }
 }
 
 /// Whether there is contact, by any rule but that of the thesis.

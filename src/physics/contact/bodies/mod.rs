@@ -100,6 +100,7 @@ pub(in crate::physics) fn find_constraints<R: Real>(
     find_contacts(substep, velocity, &mut (), workspace, recorder);
     let BodiesWorkspace { constraints, movers, contacts, equations, kept, .. } = workspace;
     let of_model = (substep.model, substep.state);
+    equations.make_room(constraints.capacity());
     for (contact, constraint) in contacts[*kept..].iter().zip(constraints) {
         equations.add(constraint, contact.bodies, movers, of_model);
     }

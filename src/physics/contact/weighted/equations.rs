@@ -9,6 +9,13 @@ use crate::physics::contact::ContactConstraint;
 use crate::physics::model::Model;
 use crate::physics::state::State;
 
+/// Most particles that a contact of a particle in a cell weighs.
+const WEIGHTS_A_CONTACT: usize = 9;
+
+/// Bytes of a contact among the equations.
+pub(in crate::physics) const BYTES_A_CONTACT: usize =
+    size_of::<WeightedConstraint>() + WEIGHTS_A_CONTACT * size_of::<(u32, f64)>();
+
 /// A contact of a point among the equations.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct WeightedConstraint {
@@ -48,6 +55,12 @@ impl WeightedConstraints {
     pub(in crate::physics::contact) fn clear(&mut self) {
         self.all.clear();
         self.weights.clear();
+    }
+
+    /// Makes room for so many contacts.
+    pub(in crate::physics::contact) fn make_room(&mut self, contacts: usize) {
+        self.all.reserve(contacts);
+        self.weights.reserve(WEIGHTS_A_CONTACT * contacts);
     }
 
     /// Adds a contact of two bodies, as it is when a substep begins.

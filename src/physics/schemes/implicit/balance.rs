@@ -50,8 +50,10 @@ pub(in crate::physics) fn gains_energy<R: Real>(
 /// The end of a substep that is yet to be accepted.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::physics) struct SubstepEnd<'a, R: Real> {
-    /// The velocities at the end, m/s.
+    /// The velocities at the end, m/s, ...
     pub(in crate::physics) velocity: &'a [R::Vec3],
+    /// ... and those that lead particles there.
+    pub(in crate::physics) moving: &'a [R::Vec3],
     /// The forces of the state without contact and hand, N.
     pub(in crate::physics) force: &'a [R::Vec3],
     /// What contact with obstacles did, ...
@@ -69,21 +71,22 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     stops: &dyn Fn() -> bool,
 ) -> bool {
     let Substep { model, state, dt, grab, .. } = substep;
-    let SubstepEnd { velocity, force, contacts, between_bodies } = end;
+    let SubstepEnd { velocity, moving, force, contacts, between_bodies } = end;
     let body = &model.bodies[number];
     let [first, after] = [body.particles.start, body.particles.end]
         .map(|particle| contacts.partition_point(|contact| contact.particle < particle));
     let own = &contacts[first..after];
-    let (kinetic, gained, work) = particle_energy(body, dt.to_f64(), state, force, velocity);
+    let (kinetic, gained, work) = particle_energy(body, dt.to_f64(), state, force, [velocity, moving]);
     let kinetic_at_start = (kinetic - gained - work).max(0.0);
-    let (stored, carried, at_obstacles) = contact_energy(body, own, dt, velocity);
-    let (pushed, of_others) = between_bodies_work::<R>(number, between_bodies, dt.to_f64(), velocity);
+    let (stored, carried, at_obstacles) = contact_energy(body, own, dt, moving);
+    let (pushed, of_others) = between_bodies_work::<R>(number, between_bodies, dt.to_f64(), moving);
     let total_contact_work = at_obstacles + of_others;
-    let pulled =
-        grab.filter(|grab| grab.body == number).map_or(0.0, |grab| grab_work(grab, body, dt.to_f64(), state, velocity));
-    let own = [&state.position[..], &state.velocity, velocity].map(|of| &of[body.particles.clone()]);
+    let pulled = grab
+        .filter(|grab| grab.body == number)
+        .map_or(0.0, |grab| grab_work(grab, body, dt.to_f64(), state, [velocity, moving]));
+    let own = [&state.position[..], &state.velocity, moving].map(|of| &of[body.particles.clone()]);
     let unfolded = recovery::energy_past_work(body, &state.bodies[number], own, dt);
-    let from_nowhere = gained + link_energy_gain(substep, number, velocity, exact, stops) + unfolded + stored
+    let from_nowhere = gained + link_energy_gain(substep, number, moving, exact, stops) + unfolded + stored
         - carried
         - pulled
         - pushed;
@@ -127,13 +130,13 @@ fn particle_energy<R: Real>(
     dt: f64,
     state: &State<R>,
     force: &[R::Vec3],
-    velocity: &[R::Vec3],
+    [velocity, moving]: [&[R::Vec3]; 2],
 ) -> (f64, f64, f64) {
     body.particles.clone().enumerate().fold((0.0, 0.0, 0.0), |(kinetic, gained, sum), (local, particle)| {
         let mass = body.mass(local).to_f64();
         let [before, after] = [state.velocity[particle], velocity[particle]].map(Vector::to_dvec3);
         let change = 0.5 * mass * (after - before).dot(after + before);
-        let work = dt * force[particle].to_dvec3().dot(after);
+        let work = dt * force[particle].to_dvec3().dot(moving[particle].to_dvec3());
         (kinetic + 0.5 * mass * after.length_squared(), gained + change - work, sum + work)
     })
 }
@@ -201,11 +204,17 @@ fn link_energy_gain<R: Real>(
 }
 
 /// Returns the work of a hand, J.
-fn grab_work<R: Real>(grab: &Grab<R>, body: &BodyModel<R>, dt: f64, state: &State<R>, velocity: &[R::Vec3]) -> f64 {
+fn grab_work<R: Real>(
+    grab: &Grab<R>,
+    body: &BodyModel<R>,
+    dt: f64,
+    state: &State<R>,
+    velocity: [&[R::Vec3]; 2],
+) -> f64 {
     let own = body.particles.clone();
     let away = (grab.target - grab.mean_of(&state.position[own.clone()], own.start)).to_dvec3();
-    let speed = grab.mean_of(&velocity[own.clone()], own.start).to_dvec3();
+    let [speed, way] = velocity.map(|of| grab.mean_of(&of[own.clone()], own.start).to_dvec3());
     let [stiffness, damping] = [grab.stiffness, grab.damping(body)].map(Real::to_f64);
     let pull = away * stiffness - speed * resistance([stiffness, damping], dt);
-    dt * pull.dot(speed)
+    dt * pull.dot(way)
 }

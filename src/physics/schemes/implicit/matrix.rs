@@ -51,9 +51,9 @@ impl<R: Real> System<'_, R> {
         let BodyEquations { tangents, blocks, resistances, .. } = &mut bodies[number];
         if let Some(links) = &body.boxed_links {
             let choice = (self.level, plan.families);
-            tangents.assemble(links, choice, dt, position, |local, third| diagonal[local] += third);
+            tangents.assemble(links, choice, dt, [position, velocity], |local, third| diagonal[local] += third);
         } else {
-            make_blocks(body, plan.families, dt, position, blocks, diagonal, stops);
+            make_blocks(body, plan.families, dt, [position, velocity], blocks, diagonal, stops);
         }
         resistances.clear();
         resistances.extend(recovery::resistances(body, memory, position));
@@ -137,13 +137,13 @@ fn make_blocks<R: Real>(
     body: &BodyModel<R>,
     families: [bool; 3],
     dt: f64,
-    position: &[R::Vec3],
+    motion: [&[R::Vec3]; 2],
     blocks: &mut Vec<LinkBlock<R>>,
     diagonals: &mut [f64],
     stops: &dyn Fn() -> bool,
 ) {
     blocks.clear();
-    for_each_tangent(body, families, position, stops, |[i, j], tangent| {
+    for_each_tangent(body, families, motion, R::from_f64(dt), stops, |[i, j], tangent| {
         let stiff = dt * dt * tangent.stiffness.to_f64();
         let across = stiff * tangent.geometric_share.to_f64();
         let damping = dt * tangent.damping.to_f64();

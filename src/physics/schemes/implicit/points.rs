@@ -20,6 +20,7 @@ use glam::{DMat3, DVec3};
 
 use super::system::{ImplicitWorkspace, System};
 use crate::math::Real;
+use crate::physics::contact::WeightedConstraints;
 
 /// A contact in the preconditioner.
 #[derive(Clone, Debug)]
@@ -48,6 +49,9 @@ struct WeighedParticle {
 /// Stands where a particle has no block.
 const NO_BLOCK: u32 = u32::MAX;
 
+/// Bytes of a contact of a particle in a cell.
+pub(super) const BYTES_A_BLOCK: usize = size_of::<PointBlock>() + 9 * size_of::<WeighedParticle>();
+
 /// The contacts of an island in the preconditioner.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PointBlocks {
@@ -60,6 +64,13 @@ impl PointBlocks {
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
         self.particles.clear();
+    }
+
+    /// Forgets all, and makes room for as many contacts as all of these.
+    pub(super) fn make_room(&mut self, contacts: &WeightedConstraints) {
+        self.clear();
+        self.blocks.reserve(contacts.all.capacity());
+        self.particles.reserve(contacts.weights.capacity());
     }
 
     /// Adds a contact of these particles.
@@ -149,8 +160,11 @@ mod tests {
         scaled
     }
 
+    /// A contact: its matrix, and its particles with their weights.
+    type Contact = (DMat3, Vec<(usize, f64)>);
+
     /// Contacts of eight particles each among twenty, up to a billion times as stiff as these.
-    fn contacts(count: usize, inverse: &[f64], rng: &mut Rng) -> (PointBlocks, Vec<(DMat3, Vec<(usize, f64)>)>) {
+    fn contacts(count: usize, inverse: &[f64], rng: &mut Rng) -> (PointBlocks, Vec<Contact>) {
         let (mut blocks, mut all) = (PointBlocks::default(), Vec::new());
         for _ in 0..count {
             let normal = random(rng).normalize();

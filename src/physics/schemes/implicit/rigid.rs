@@ -110,6 +110,10 @@ impl<R: Real> System<'_, R> {
         if !is_island {
             return;
         }
+        // Room for the largest island that there may be.
+        let most = MOTIONS * model.bodies.len().min(MAX_BODIES);
+        rigid.matrix.reserve((most * most).saturating_sub(rigid.matrix.len()));
+        rigid.solution.reserve(most.saturating_sub(rigid.solution.len()));
         rigid.place_of.clear();
         rigid.place_of.resize(model.bodies.len(), None);
         rigid.from_middle.resize(model.particle_count(), DVec3::ZERO);

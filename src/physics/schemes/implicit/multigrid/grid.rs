@@ -37,6 +37,7 @@ impl Grid {
         size_of::<[u32; 3]>()
             + size_of::<[u32; DIAGONAL]>()
             + size_of::<[DMat3; ROW]>()
+            + size_of::<(u32, [DMat3; ROW])>()
             + Colours::bytes_a_corner(places)
     }
 
@@ -136,6 +137,8 @@ impl Grid {
             let number = *row as usize;
             if !self.is_held[number] {
                 self.is_held[number] = true;
+                // Room for all of them, once something touches.
+                self.free.reserve(self.corners.len() - self.free.len());
                 self.free.push((*row, self.rows[number]));
             }
             let across = by_row.transpose() * *resistance;
