@@ -288,7 +288,7 @@ mod tests {
         assert_eq!(on_mesh(|_| ()), Vec::<String>::new(), "a model has one");
         let told = |said: &[String], words: &str| said.iter().any(|said| said.contains(words));
         let said = on_mesh(|settings| {
-            (settings.stepping, settings.integrator) = (Stepping::Manual, Integrator::Implicit);
+            (settings.stepping, settings.integrator) = (Stepping::Manual, Integrator::Stabilised);
         });
         assert!(told(&said, "manual steps has no place for its mesh"), "{said:?}");
         let said = on_mesh(|settings| settings.contact = ContactRule::Thesis);

@@ -207,6 +207,28 @@ fn a_coarse_ball_rests_at_the_height_of_its_mesh() {
     assert!(on_cells.abs() > 0.02, "on its cells it does not: {on_cells} m");
 }
 
+#[test]
+fn a_stiff_box_is_solved_for_with_its_mesh_and_rests_where_the_explicit_scheme_has_it() {
+    let landing = |jelly: Material, allow_implicit: bool| {
+        let mut made = Made::of_text(&box_obj(), 5, jelly, [0.0, 0.35, 0.0]).on(floor());
+        made.scene.settings.allow_implicit = allow_implicit;
+        let mut simulation = made.simulate::<f32>();
+        let report = simulation.run_for(1.5);
+        let touching = simulation.sample_contacts().iter().filter(|contact| contact.force != DVec3::ZERO).count();
+        assert!(touching > 0, "it stands on its mesh");
+        (made.lowest(&simulation), report.counters.solves, report.counters.substeps)
+    };
+    let solid = || Material::Solid(Solid { young_modulus: 5e9, density: 1000.0, damping_ratio: 0.3, ..Solid::DEFAULT });
+    let (solved, solves, substeps) = landing(solid(), true);
+    let (reference, none, many) = landing(solid(), false);
+    assert!(solves > 200 && substeps < 500, "{solves} solves in {substeps} substeps");
+    assert!(none == 0 && many > 20 * substeps, "the explicit scheme takes {many} substeps");
+    assert!((solved - reference).abs() < 1e-5, "the mesh ends at {solved} m, not at {reference} m");
+    // So stiff for its mass that the explicit scheme would never come to an end.
+    let (stiffest, ..) = landing(Material::Springs(springs(1e8, 1e4, 1e-6)), true);
+    assert!(stiffest.abs() < 5e-3, "the mesh ends at {stiffest} m");
+}
+
 /// The distance that a ball rolls down a slope of 10° in two seconds, over that of a rigid one.
 fn rolled(contact_on: ContactOn) -> f64 {
     let angle = 10.0_f64.to_radians();
@@ -320,24 +342,31 @@ fn on_slope(slope: f64, friction: [f64; 2]) -> (Made, DVec3) {
 
 #[test]
 fn below_the_friction_angle_it_rests_and_above_it_slides() {
-    let (made, down) = on_slope(0.95 * 0.5, [0.5; 2]);
-    let mut simulation = made.simulate::<f32>();
-    run(&mut simulation, 4.0);
-    let settled = simulation.diagnostics().center.dot(down);
-    run(&mut simulation, 10.0);
-    let crept = (simulation.diagnostics().center.dot(down) - settled).abs();
-    eprintln!("crept {crept:e}");
-    assert!(crept < 1e-4, "it rests: {crept} m in ten seconds");
-    for slope in [1.05 * 0.5, 1.5 * 0.5] {
-        let (made, down) = on_slope(slope, [0.5; 2]);
-        let mut simulation = made.simulate::<f64>();
-        run(&mut simulation, 3.0);
-        let early = simulation.diagnostics().momentum.dot(down) / simulation.diagnostics().mass_kg;
-        run(&mut simulation, 1.0);
-        let late = simulation.diagnostics().momentum.dot(down) / simulation.diagnostics().mass_kg;
-        let analytic = GRAVITY * (slope.atan().sin() - 0.5 * slope.atan().cos());
-        eprintln!("slope {slope}: {} of the analytic", (late - early) / analytic);
-        assert!(((late - early) / analytic - 1.0).abs() < 0.02, "slope {slope}: {} m/s²", late - early);
+    // The stiff one is solved for with its mesh.
+    for (stiffness, damping) in [(60.0, 0.6), (1e5, 100.0)] {
+        let with = |slope: f64| {
+            let (mut made, down) = on_slope(slope, [0.5; 2]);
+            made.scene.bodies[0].material = Material::Springs(springs(stiffness, damping, 0.008));
+            (made, down)
+        };
+        let (made, down) = with(0.95 * 0.5);
+        let mut simulation = made.simulate::<f32>();
+        run(&mut simulation, 4.0);
+        let settled = simulation.diagnostics().center.dot(down);
+        run(&mut simulation, 10.0);
+        let crept = (simulation.diagnostics().center.dot(down) - settled).abs();
+        assert!(crept < 1e-4, "{stiffness} N: it rests: {crept} m in ten seconds");
+        for slope in [1.05 * 0.5, 1.5 * 0.5] {
+            let (made, down) = with(slope);
+            let mut simulation = made.simulate::<f64>();
+            run(&mut simulation, 3.0);
+            let early = simulation.diagnostics().momentum.dot(down) / simulation.diagnostics().mass_kg;
+            run(&mut simulation, 1.0);
+            let late = simulation.diagnostics().momentum.dot(down) / simulation.diagnostics().mass_kg;
+            let analytic = GRAVITY * (slope.atan().sin() - 0.5 * slope.atan().cos());
+            let ratio = (late - early) / analytic;
+            assert!((ratio - 1.0).abs() < 0.02, "{stiffness} N, slope {slope}: {ratio} of the analytic");
+        }
     }
 }
 

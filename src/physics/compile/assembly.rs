@@ -1,5 +1,5 @@
 //! Masses of particles and constants of links: the same for all (springs), or sums of the cells' shares (solid); springs
-//! that differ by cell are in [`super::springs_by_cell`].
+//! that differ by cell are in [`mod@super::springs_by_cell`].
 //!
 //! Every cell of edge h gives each of its own links a share, and a link's constant is the sum over the cells that hold it,
 //! so that a surface is as soft as it is thin and a block has the given modulus at any resolution:

@@ -138,6 +138,33 @@ fn body_contact_plan<R: Real>(
         return None;
     }
     let takes_impulses = !matches!(scheme, Scheme::Implicit | Scheme::Stabilised);
+    point_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses)
+}
+
+/// The same for substeps in which points of a body's mesh come near an obstacle. Their contact is found on the particles'
+/// paths, so explicit schemes that move particles by another velocity than that at the end have no place for it either.
+fn mesh_contact_plan<R: Real>(
+    model: &Model<R>,
+    semi_implicit: &SceneLimits,
+    scheme: Scheme,
+    secs: f64,
+    divided: bool,
+) -> Option<BodyContactPlan> {
+    model.bodies.iter().find(|body| body.samples.is_some())?;
+    let takes_impulses = matches!(scheme, Scheme::SemiImplicit | Scheme::Verlet);
+    point_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses)
+}
+
+/// How substeps of `secs` (s) with contact of points are taken: by impulses on predicted velocities; where the implicit scheme
+/// is in use it may solve for them.
+fn point_contact_plan<R: Real>(
+    model: &Model<R>,
+    semi_implicit: &SceneLimits,
+    scheme: Scheme,
+    secs: f64,
+    divided: bool,
+    takes_impulses: bool,
+) -> Option<BodyContactPlan> {
     let plan = impulse_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses);
     let is_solved_for = scheme == Scheme::Implicit && model.bodies.iter().all(|body| body.modal.is_none());
     if !is_solved_for {
@@ -148,20 +175,6 @@ fn body_contact_plan<R: Real>(
     let solved = BodyContactPlan { scheme, parts, strained_parts: parts, parts_a_solve: None };
     let parts_a_solve = if divided { scheme_cost::parts_a_solve(model, semi_implicit, secs) } else { 0.0 };
     Some(BodyContactPlan { parts_a_solve: Some(parts_a_solve), ..plan.unwrap_or(solved) })
-}
-
-/// The same for substeps in which points of a body's mesh come near an obstacle. Their contact is found on the particles'
-/// paths, so schemes that move particles by another velocity than that at the end have no place for it either.
-fn mesh_contact_plan<R: Real>(
-    model: &Model<R>,
-    semi_implicit: &SceneLimits,
-    scheme: Scheme,
-    secs: f64,
-    divided: bool,
-) -> Option<BodyContactPlan> {
-    model.bodies.iter().find(|body| body.samples.is_some())?;
-    let takes_impulses = matches!(scheme, Scheme::SemiImplicit | Scheme::Verlet);
-    impulse_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses)
 }
 
 /// How substeps of `secs` (s) are taken in which contact changes predicted velocities: by the scheme itself where it

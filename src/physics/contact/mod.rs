@@ -12,8 +12,8 @@
 //! particles   candidate: what each particle near an obstacle meets; response: the law; between, gauss_seidel: several obstacles
 //!             at one particle; account: the energy of all that
 //! search      broad, near_particles, distance_cache: what is far; narrow, swept_point, surface: where a path meets a shape
-//! schemes     constraint, solved: contact within the equations of the implicit scheme; held: through the stages of the
-//!             stabilised scheme; thesis: the thesis's own rule
+//! schemes     constraint, solved: contact within the equations of the implicit scheme, of points by weighted::equations;
+//!             held: through the stages of the stabilised scheme; thesis: the thesis's own rule
 //! obstacles   placed, moving, sweep: where obstacles are on their way; arrive, approach, way_out: those put into a body
 //! points      weighted: contacts of points that several particles carry; samples: points of a mesh that meet obstacles;
 //!             bodies: bodies that meet each other and themselves
@@ -23,7 +23,7 @@
 //! A body that is a model may meet obstacles with points of its mesh in place of its particles: see [`samples`].
 //!
 //! Several obstacles at one particle are solved for together (`gauss_seidel`), and leave it a velocity that none of them
-//! forbids. Bodies meet each other before that: see [`bodies`].
+//! forbids. Bodies meet each other before that: see [`bodies`]. The implicit scheme solves for all of these at once.
 
 mod account;
 mod approach;
@@ -68,6 +68,7 @@ pub(super) use surface::Surface;
 pub(super) use swept_point::SweptPoint;
 pub use weighted::DEPTH_SHARE;
 pub(super) use weighted::{
-    BYTES_A_CONTACT, PARTING_SPEED_SHARE, STIFFNESS_OVER_MASS, WeightedConstraint, WeightedConstraints, pressed_at_end,
+    BYTES_A_CONTACT, PARTING_SPEED_SHARE, STIFFNESS_OVER_MASS, Touching, WeightedConstraint, WeightedConstraints,
+    pressed_at_end,
 };
 pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace, SURFACE_PARTICLES_A_CONTACT};

@@ -7,6 +7,7 @@ use super::distance_cache::DISTANCE_CACHE_BYTES;
 use super::narrow::mesh::NearestPointCache;
 use super::record::ContactRecord;
 use super::samples::SamplesWorkspace;
+use super::weighted::WeightedConstraints;
 use crate::math::{Real, Vector};
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
@@ -88,8 +89,10 @@ pub(crate) struct ContactWorkspace<R: Real> {
     /// For every body and obstacle, whether they count as near without a test of bounding boxes: planes and open meshes of
     /// which a side is remembered, and all before the first substep.
     pub(super) marked_near: Vec<bool>,
-    /// The constraints of the implicit integrator, by particle.
+    /// The constraints of the implicit integrator, by particle, ...
     pub(in crate::physics) constraints: Vec<ParticleConstraint>,
+    /// ... and those of points that it solves for with them: of bodies in each other, then of meshes at obstacles.
+    pub(in crate::physics) equations: WeightedConstraints,
     /// Workspace and results of contact between bodies.
     pub(in crate::physics) bodies: BodiesWorkspace<R>,
     /// Workspace and results of contact on meshes of bodies.
@@ -108,9 +111,16 @@ impl<R: Real> ContactWorkspace<R> {
             contacts: Vec::with_capacity(pairs),
             marked_near: vec![true; model.bodies.len() * model.obstacles.len()],
             constraints: Vec::with_capacity(solved_for),
+            equations: WeightedConstraints::default(),
             bodies: BodiesWorkspace::new(model, plan),
             samples: SamplesWorkspace::new(model, plan),
         }
+    }
+
+    /// Forgets the contacts among the equations, and makes room for as many as there may be.
+    pub(in crate::physics) fn begin_equations(&mut self) {
+        self.equations.clear();
+        self.equations.make_room(self.bodies.room() + self.samples.room());
     }
 
     /// How many contacts push.

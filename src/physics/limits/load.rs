@@ -34,7 +34,7 @@ pub(super) enum StabilityRegion {
     /// stiffness mix.
     HalfDisc(f64),
     /// A disc that touches 0, which holds every vibration whose ratio of stiffness to damping is small enough, and the
-    /// negative axis as far as the most stages reach ([`crate::physics::schemes::stabilised`]).
+    /// negative axis as far as the most stages reach (`physics::schemes::stabilised`).
     DiscAndAxis,
     /// Everything: links are part of the equations that are solved.
     Everywhere,

@@ -105,7 +105,7 @@ pub const MOST_PARTS_BETWEEN_BODIES: u32 = 1 << 14;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyContactPlan {
     /// The scheme that takes them, unless the implicit one does. Such contact is an impulse on the predicted velocities, for
-    /// which the stabilised scheme has no place, nor has the implicit one where meshes or modal bodies meet something.
+    /// which the stabilised scheme has no place, nor has the implicit one where modal bodies are among the bodies.
     pub scheme: Scheme,
     /// The fewest parts that they are divided into.
     pub parts: u32,

@@ -28,7 +28,7 @@ pub(super) use workspace::StepWorkspace;
 
 use std::ops::Range;
 
-use super::contact::{self, BodyContact, ContactRecord, Placed};
+use super::contact::{self, BodyContact, ContactRecord, ContactWorkspace, Placed, SampleContact};
 use super::forces;
 use super::forces::Kick;
 use super::forces::exact::ExactLinks;
@@ -200,8 +200,9 @@ fn find_velocities<R: Real>(
         return true;
     }
     let StepWorkspace { velocity, force, contact, scheme, forces: of_forces, .. } = workspace;
-    let (contacts, between_bodies) = (&contact.contacts[..], &contact.bodies.contacts[..]);
-    let end = SubstepEnd { velocity, moving: scheme.moving(velocity), force, contacts, between_bodies };
+    let (contacts, between_bodies, on_mesh) =
+        (&contact.contacts[..], &contact.bodies.contacts[..], &contact.samples.contacts[..]);
+    let end = SubstepEnd { velocity, moving: scheme.moving(velocity), force, contacts, between_bodies, on_mesh };
     let stops = || recorder.stops();
     if stays_finite(substep, velocity)
         && stays_finite(substep, end.moving)
@@ -210,7 +211,8 @@ fn find_velocities<R: Real>(
         return true;
     }
     if on_energy_gain == OnEnergyGain::Slow {
-        slow(substep, velocity, (force, contacts, between_bodies), &mut of_forces.exact, &stops);
+        let contacts = (contacts, between_bodies, on_mesh);
+        slow(substep, velocity, force, contacts, &mut of_forces.exact, &stops);
         if let Some(moving) = &mut scheme.mean_velocity {
             moving.copy_from_slice(velocity);
         }
@@ -265,7 +267,8 @@ fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<
 fn slow<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
-    (force, contacts, between_bodies): (&[R::Vec3], &[ContactRecord<R>], &[BodyContact]),
+    force: &[R::Vec3],
+    (contacts, between_bodies, on_mesh): (&[ContactRecord<R>], &[BodyContact], &[SampleContact]),
     exact: &mut ExactLinks,
     stops: &dyn Fn() -> bool,
 ) {
@@ -275,7 +278,7 @@ fn slow<R: Real>(
         for halvings_left in (0..MAX_VELOCITY_HALVINGS).rev() {
             let is_finite =
                 own.clone().all(|p| velocity[p].is_finite() && (state.position[p] + velocity[p] * dt).is_finite());
-            let end = SubstepEnd { velocity, moving: velocity, force, contacts, between_bodies };
+            let end = SubstepEnd { velocity, moving: velocity, force, contacts, between_bodies, on_mesh };
             if is_finite && !body_gains_energy(substep, number, end, exact, stops) {
                 break;
             }
@@ -394,13 +397,16 @@ fn correct_paths<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace
 fn solved_velocities<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
     let (mut stepper, contact, velocity) = workspace.stepper(substep);
     let meets_obstacles = has_implicit_contact(substep.plan);
+    let meets_on_mesh = meets_obstacles && substep.plan.on_mesh.is_some();
+    contact.begin_equations();
     contact.samples.keep_sleeping_contacts(substep.state);
+    contact.samples.forget_found();
     if meets_obstacles || substep.bodies_are_near {
         stepper.fall(velocity);
     }
     if substep.bodies_are_near {
         recorder.begin_bodies();
-        contact::bodies::find_constraints(substep, velocity, &mut contact.bodies, recorder);
+        contact::bodies::find_constraints(substep, velocity, &mut contact.bodies, &mut contact.equations, recorder);
         recorder.end_bodies();
     } else {
         contact::bodies::skip_contact(substep, &mut contact.bodies, recorder);
@@ -408,17 +414,30 @@ fn solved_velocities<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorks
     if meets_obstacles {
         contact::find_constraints(substep, velocity, contact, recorder);
     }
-    recorder.enter(Stage::Integrate);
-    stepper.solve(contact, velocity, recorder);
-    if recorder.has_stopped() {
-        return;
+    // Where solutions lead more points of meshes into obstacles, the equations are solved again with these.
+    for round in 0..=contact::samples::MAX_SEARCH_REPEATS {
+        let ContactWorkspace { samples, equations, .. } = &mut *contact;
+        let has_more =
+            meets_on_mesh && contact::samples::find_constraints(substep, velocity, samples, equations, recorder);
+        if round > 0 && !has_more {
+            break;
+        }
+        recorder.enter(Stage::Integrate);
+        stepper.solve(contact, velocity, recorder);
+        if recorder.has_stopped() {
+            return;
+        }
     }
     if meets_obstacles {
         contact::finish_constraints(substep, velocity, contact, recorder);
     }
+    let ContactWorkspace { bodies, samples, equations, .. } = &mut *contact;
+    if meets_on_mesh {
+        contact::samples::finish_constraints(substep, velocity, samples, equations, recorder);
+    }
     if substep.bodies_are_near {
-        contact::bodies::finish_constraints(substep, velocity, &mut contact.bodies, recorder);
-        contact::bodies::count_parting_work(substep, velocity, &contact.bodies, recorder);
+        contact::bodies::finish_constraints(substep, velocity, bodies, equations, recorder);
+        contact::bodies::count_parting_work(substep, velocity, bodies, recorder);
     }
     recorder.enter(Stage::Integrate);
     if let Some(moving) = &mut workspace.scheme.mean_velocity {

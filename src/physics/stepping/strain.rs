@@ -23,7 +23,7 @@ use crate::physics::stepping::checks;
 
 /// The strain of a body becomes large when any link, stretched or compressed, exceeds the larger of these, and stays so
 /// until all links are below the smaller. Bodies that fall on the ground by their own weight stay below. Where the plan's
-/// scheme bears less, a body counts as taut above smaller strains ([`Plan::strains`]): the scheme of substeps in which it
+/// scheme bears less, a body counts as taut above smaller strains ([`Plan::strain_thresholds`]): the scheme of substeps in which it
 /// meets others may bear more.
 pub(crate) const STRAIN_THRESHOLDS: [f64; 2] = [0.5, 0.7];
 

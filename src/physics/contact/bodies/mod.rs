@@ -56,7 +56,7 @@ use glam::DVec3;
 use self::find::Search;
 use self::pair::BodyPair;
 use self::points::PointsWorkspace;
-use super::weighted::{self, ModalBodies, Mover, PointConstraint, PointLaw};
+use super::weighted::{self, ModalBodies, Mover, PointConstraint, PointLaw, Touching, WeightedConstraints};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::kernels::bounds;
 use crate::physics::model::plan::Stage;
@@ -89,20 +89,20 @@ pub(in crate::physics) fn meet<R: Real>(
     record_contacts(substep, workspace, recorder);
 }
 
-/// Finds the contacts of bodies that meet each other within this substep as constraints among the equations of the implicit
+/// Finds the contacts of bodies that meet each other within this substep as constraints among the `equations` of the implicit
 /// integrator, if every particle would have the `velocity` (m/s) without links. There are no modal bodies.
 pub(in crate::physics) fn find_constraints<R: Real>(
     substep: Substep<'_, R>,
     velocity: &[R::Vec3],
     workspace: &mut BodiesWorkspace<R>,
+    equations: &mut WeightedConstraints,
     recorder: &mut Recorder<'_>,
 ) {
     find_contacts(substep, velocity, &mut (), workspace, recorder);
-    let BodiesWorkspace { constraints, movers, contacts, equations, kept, .. } = workspace;
+    let BodiesWorkspace { constraints, movers, contacts, kept, .. } = workspace;
     let of_model = (substep.model, substep.state);
-    equations.make_room(constraints.capacity());
     for (contact, constraint) in contacts[*kept..].iter().zip(constraints) {
-        equations.add(constraint, contact.bodies, movers, of_model);
+        equations.add(constraint, Touching::Bodies(contact.bodies), movers, of_model);
     }
 }
 
@@ -111,15 +111,11 @@ pub(in crate::physics) fn finish_constraints<R: Real>(
     substep: Substep<'_, R>,
     velocity: &[R::Vec3],
     workspace: &mut BodiesWorkspace<R>,
+    equations: &WeightedConstraints,
     recorder: &mut Recorder<'_>,
 ) {
-    let BodiesWorkspace { constraints, movers, equations, .. } = &mut *workspace;
-    for (constraint, solved) in constraints.iter_mut().zip(&equations.all) {
-        constraint.take_impulse(solved.constraint.solved_impulse());
-    }
-    for (mover, now) in movers.all.iter().zip(&mut movers.velocity).filter(|(mover, _)| mover.mobility > 0.0) {
-        *now = velocity[mover.particle as usize].to_dvec3();
-    }
+    let BodiesWorkspace { constraints, movers, .. } = &mut *workspace;
+    equations.finish::<R>(0, constraints, movers, velocity);
     record_contacts(substep, workspace, recorder);
 }
 

@@ -8,7 +8,7 @@ use super::points::PointsWorkspace;
 use super::predicted::PredictedBody;
 use super::record::BodyContact;
 use crate::math::Real;
-use crate::physics::contact::weighted::{Movers, PointConstraint, WeightedConstraints};
+use crate::physics::contact::weighted::{Movers, PointConstraint};
 use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
 use crate::physics::state::State;
@@ -42,8 +42,6 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(super) points: Vec<PointsWorkspace>,
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
-    /// The same among the equations of the implicit integrator.
-    pub(in crate::physics) equations: WeightedConstraints,
     /// The particles that contact between bodies has just given another velocity, and that velocity, m/s.
     pub(in crate::physics) changed_velocities: Vec<(usize, R::Vec3)>,
     /// The pairs of bodies that pushed each other since this was cleared.
@@ -94,7 +92,6 @@ impl<R: Real> BodiesWorkspace<R> {
             changed_velocities: Vec::with_capacity(count),
             pushed_pairs: Vec::with_capacity((bodies * bodies).min(all)),
             constraints: Vec::with_capacity(all),
-            equations: WeightedConstraints::default(),
             kept: 0,
             contacts: Vec::with_capacity(all),
             presses: Vec::with_capacity(all),
@@ -114,6 +111,11 @@ impl<R: Real> BodiesWorkspace<R> {
         }
     }
 
+    /// How many contacts there is room for.
+    pub(in crate::physics::contact) fn room(&self) -> usize {
+        self.constraints.capacity()
+    }
+
     /// The pairs of bodies of contacts that push.
     pub(in crate::physics) fn pushing_pairs(&self) -> impl Iterator<Item = [usize; 2]> + Clone {
         self.contacts.iter().filter(|contact| contact.force != DVec3::ZERO).map(|contact| contact.bodies)
@@ -129,7 +131,6 @@ impl<R: Real> BodiesWorkspace<R> {
         let both_sleep =
             |bodies: &[usize; 2]| bodies.iter().all(|body| !sleep::moves(model, plan, &state.bodies[*body]));
         self.changed_velocities.clear();
-        self.equations.clear();
         self.contacts.retain(|contact| both_sleep(&contact.bodies));
         self.presses.clear();
         self.presses.extend(state.presses.iter().filter(|press| both_sleep(&press.bodies)));

@@ -29,7 +29,8 @@ pub(super) fn find_contacts<R: Real>(
     find_near_obstacles(substep, number, position, velocity, workspace);
     let before = workspace.found_contacts.len();
     workspace.found_pairs.clear();
-    workspace.found_pairs.extend(workspace.found_contacts.iter().map(|found| (found.sample, found.obstacle)));
+    let known = workspace.found_contacts.iter().filter(|found| found.body == number);
+    workspace.found_pairs.extend(known.map(|found| (found.sample, found.obstacle)));
     workspace.found_pairs.sort_unstable();
     if workspace.near_obstacles.is_empty() && touches.is_empty() {
         return false;
@@ -86,7 +87,8 @@ pub(super) fn find_contacts<R: Real>(
                 let Some((surface, surface_velocity)) = swept.meet(met, dt, caches) else { continue };
                 let (normal, gap) = (surface.normal.to_dvec3(), surface.gap.to_f64());
                 let surface_velocity = surface_velocity.to_dvec3();
-                workspace.found_contacts.push(FoundContact { sample, obstacle, normal, gap, surface_velocity });
+                let found = FoundContact { body: number, sample, obstacle, normal, gap, surface_velocity };
+                workspace.found_contacts.push(found);
             }
         }
     }

@@ -15,7 +15,8 @@
 //! (`clearance`).
 //!
 //! Pushing some points out may lead others in: the search is repeated with the velocities that contact leaves, until it finds
-//! no more points. Contact changes the velocities that forces predict, after contact between bodies did. All is computed in
+//! no more points. Contact changes the velocities that forces predict, after contact between bodies did; the implicit scheme
+//! has the same contacts among its equations. All is computed in
 //! double precision and by one thread, so the number of threads makes no difference. Obstacles do work only by their motion,
 //! and the energy of springs is in the state: so no energy comes from nowhere at any stiffness, see [`super::weighted`].
 
@@ -35,7 +36,8 @@ use self::workspace::FoundContact;
 use super::narrow;
 use super::response;
 use super::weighted::{
-    self, ContactPlane, ModalShares, Mover, PARTING_SPEED_SHARE, PointConstraint, PointLaw, SpringBefore,
+    self, ContactPlane, ModalShares, Mover, PARTING_SPEED_SHARE, PointConstraint, PointLaw, SpringBefore, Touching,
+    WeightedConstraints,
 };
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
@@ -46,7 +48,7 @@ use crate::physics::step::substep::Substep;
 
 /// How often the search is repeated for points that only the velocities after contact lead into an obstacle. Those found in the
 /// last search are remembered on the side that they came from, and are pushed in the next substep.
-const MAX_SEARCH_REPEATS: usize = 4;
+pub(in crate::physics) const MAX_SEARCH_REPEATS: usize = 4;
 
 /// Changes the predicted velocities of all particles that carry points which meet obstacles within this substep.
 pub(in crate::physics) fn meet<R: Real>(
@@ -58,9 +60,7 @@ pub(in crate::physics) fn meet<R: Real>(
     workspace.keep_sleeping_contacts(substep.state);
     for (number, body) in substep.model.bodies.iter().enumerate() {
         let Some(samples) = body.samples.as_ref().filter(|_| !substep.state.bodies[number].asleep) else { continue };
-        workspace.found_contacts.clear();
-        workspace.constraints.clear();
-        workspace.movers.clear();
+        workspace.forget_found();
         for round in 0..=MAX_SEARCH_REPEATS {
             recorder.enter(Stage::BroadPhase);
             let known = workspace.found_contacts.len();
@@ -73,10 +73,54 @@ pub(in crate::physics) fn meet<R: Real>(
                 solve(substep, velocity, workspace);
             }
         }
-        record(substep, number, samples, velocity, workspace, recorder);
+        record(substep, velocity, workspace, recorder);
     }
-    workspace.contacts.sort_unstable_by_key(|contact| (contact.body, contact.sample, contact.obstacle));
-    workspace.touches.sort_unstable_by_key(SampleTouch::place);
+    workspace.sort();
+}
+
+/// Adds the contacts that bodies have with these velocities (m/s) of all particles, and that were not found before, to the
+/// equations of the implicit integrator. Returns whether there are any.
+pub(in crate::physics) fn find_constraints<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &[R::Vec3],
+    workspace: &mut SamplesWorkspace<R>,
+    equations: &mut WeightedConstraints,
+    recorder: &mut Recorder<'_>,
+) -> bool {
+    let Substep { model, state, .. } = substep;
+    let before = workspace.constraints.len();
+    if before == 0 {
+        workspace.first_equation = equations.all.len();
+    }
+    for (number, body) in model.bodies.iter().enumerate() {
+        let Some(samples) = body.samples.as_ref().filter(|_| !state.bodies[number].asleep) else { continue };
+        recorder.enter(Stage::BroadPhase);
+        let known = workspace.found_contacts.len();
+        if !find::find_contacts(substep, number, samples, velocity, workspace, &mut recorder.counters) {
+            continue;
+        }
+        recorder.enter(Stage::Contact);
+        let first = workspace.constraints.len();
+        constrain(substep, number, samples, known, velocity, workspace);
+        for constraint in &workspace.constraints[first..] {
+            equations.add(constraint, Touching::MeshAtObstacle(number), &workspace.movers, (model, state));
+        }
+    }
+    workspace.constraints.len() > before
+}
+
+/// Takes over what the equations were solved for, where particles end with these velocities, m/s.
+pub(in crate::physics) fn finish_constraints<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &[R::Vec3],
+    workspace: &mut SamplesWorkspace<R>,
+    equations: &WeightedConstraints,
+    recorder: &mut Recorder<'_>,
+) {
+    let SamplesWorkspace { constraints, movers, first_equation, .. } = workspace;
+    equations.finish::<R>(*first_equation, constraints, movers, velocity);
+    record(substep, velocity, workspace, recorder);
+    workspace.sort();
 }
 
 /// Makes constraints of the contacts that were found from place `first` on.
@@ -95,7 +139,7 @@ fn constrain<R: Real>(
     let mut kept = first;
     for place in first..workspace.found_contacts.len() {
         let found = workspace.found_contacts[place];
-        let FoundContact { sample, obstacle, normal, gap, surface_velocity } = found;
+        let FoundContact { sample, obstacle, normal, gap, surface_velocity, .. } = found;
         let (carriers, weights) = samples.point(sample);
         let start = body.particles.start;
         let places =
@@ -147,17 +191,15 @@ fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: 
     }
 }
 
-/// Records the contacts of a body, its touches at the end of the substep, and the work done.
+/// Records the contacts found, the touches at the end of the substep, and the work done.
 fn record<R: Real>(
     substep: Substep<'_, R>,
-    number: usize,
-    samples: &Samples,
     velocity: &[R::Vec3],
     workspace: &mut SamplesWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
     let Substep { model, state, .. } = substep;
-    let (start, dt) = (model.bodies[number].particles.start, substep.dt.to_f64());
+    let dt = substep.dt.to_f64();
     let SamplesWorkspace { found_contacts, constraints, movers, contacts, touches, deepest, .. } = workspace;
     let mean = |mover: &Mover| {
         let particle = mover.particle as usize;
@@ -167,7 +209,9 @@ fn record<R: Real>(
     let has_friction = |obstacle: usize| response::has_friction(&model.obstacles[obstacle]);
     let counters = &mut recorder.counters;
     for (found, constraint) in found_contacts.iter().zip(constraints) {
-        let &FoundContact { sample, obstacle, normal, gap, surface_velocity } = found;
+        let &FoundContact { body: number, sample, obstacle, normal, gap, surface_velocity } = found;
+        let Some(samples) = &model.bodies[number].samples else { continue };
+        let start = model.bodies[number].particles.start;
         let (carriers, weights) = samples.point(sample);
         let carriers = carriers.map(|carrier| start + carrier as usize);
         let force = constraint.impulse() / dt;

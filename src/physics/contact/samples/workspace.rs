@@ -15,9 +15,11 @@ use crate::physics::state::touch::SampleTouch;
 /// Particles that a contact weighs.
 const CONTACT_PARTICLES: usize = 8;
 
-/// A point of the present body that meets an obstacle.
+/// A point of a body that meets an obstacle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FoundContact {
+    /// The body.
+    pub(super) body: usize,
     /// The point, by its number in the body.
     pub(super) sample: usize,
     pub(super) obstacle: usize,
@@ -40,12 +42,14 @@ pub(in crate::physics) struct SamplesWorkspace<R: Real> {
     pub(super) clearances: Vec<Clearances<R>>,
     /// The obstacles that the present body may meet.
     pub(super) near_obstacles: Vec<usize>,
-    /// The contacts of the present body.
+    /// The contacts of the present body, or of all that the implicit integrator solves for.
     pub(super) found_contacts: Vec<FoundContact>,
-    /// The same as pairs of point and obstacle, sorted.
+    /// Those of the present body as pairs of point and obstacle, sorted.
     pub(super) found_pairs: Vec<(usize, usize)>,
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
+    /// Where their equations begin among those of the implicit integrator.
+    pub(super) first_equation: usize,
     /// The contacts of the last substep, by body, point and obstacle.
     pub(in crate::physics) contacts: Vec<SampleContact>,
     /// The touches at its end.
@@ -74,15 +78,34 @@ impl<R: Real> SamplesWorkspace<R> {
             found_pairs: Vec::with_capacity(of_one),
             movers: Movers::new(model.particle_count(), CONTACT_PARTICLES * of_one),
             constraints: Vec::with_capacity(of_one),
+            first_equation: 0,
             contacts: Vec::with_capacity(pairs),
             touches: Vec::with_capacity(pairs),
             deepest: 0.0,
         }
     }
 
+    /// How many contacts there is room for.
+    pub(in crate::physics::contact) fn room(&self) -> usize {
+        self.constraints.capacity()
+    }
+
     /// How many contacts push.
     pub(in crate::physics) fn pushing_count(&self) -> usize {
         self.contacts.iter().filter(|contact| contact.force != DVec3::ZERO).count()
+    }
+
+    /// Forgets the contacts found so far.
+    pub(in crate::physics) fn forget_found(&mut self) {
+        self.found_contacts.clear();
+        self.constraints.clear();
+        self.movers.clear();
+    }
+
+    /// Sorts contacts by body, point and obstacle, and touches likewise.
+    pub(super) fn sort(&mut self) {
+        self.contacts.sort_unstable_by_key(|contact| (contact.body, contact.sample, contact.obstacle));
+        self.touches.sort_unstable_by_key(SampleTouch::place);
     }
 
     /// Forgets all contacts and touches but those of sleeping bodies.

@@ -9,6 +9,25 @@ use crate::physics::contact::ContactConstraint;
 use crate::physics::model::Model;
 use crate::physics::state::State;
 
+/// What touches in a contact of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::physics) enum Touching {
+    /// A point of the first body, and a cell of the second.
+    Bodies([usize; 2]),
+    /// A point of the mesh of a body, and an obstacle.
+    MeshAtObstacle(usize),
+}
+
+impl Touching {
+    /// The bodies that the contact pushes; the same twice where there is only one.
+    pub(in crate::physics) fn bodies(self) -> [usize; 2] {
+        match self {
+            Self::Bodies(bodies) => bodies,
+            Self::MeshAtObstacle(body) => [body; 2],
+        }
+    }
+}
+
 /// Most particles that a contact of a particle in a cell weighs.
 const WEIGHTS_A_CONTACT: usize = 9;
 
@@ -21,8 +40,8 @@ pub(in crate::physics) const BYTES_A_CONTACT: usize =
 pub(in crate::physics) struct WeightedConstraint {
     /// Its place among the contacts.
     pub(in crate::physics) number: u32,
-    /// The body of the point, and that of the cell that it is in.
-    pub(in crate::physics) bodies: [usize; 2],
+    /// What touches.
+    pub(in crate::physics) touching: Touching,
     /// Whether it keeps the point from getting deeper. Where few particles of a held cell are free these would be thrown
     /// ([`super::constraint`]); there the spring alone pushes.
     pub(in crate::physics) has_depth_limit: bool,
@@ -63,15 +82,16 @@ impl WeightedConstraints {
         self.weights.reserve(WEIGHTS_A_CONTACT * contacts);
     }
 
-    /// Adds a contact of two bodies, as it is when a substep begins.
+    /// Adds a contact as it is when a substep begins.
     pub(in crate::physics::contact) fn add<R: Real>(
         &mut self,
         point: &PointConstraint,
-        bodies: [usize; 2],
+        touching: Touching,
         movers: &Movers,
         (model, state): (&Model<R>, &State<R>),
     ) {
-        let size = bodies.map(|body| model.bodies[body].size.to_f64()).into_iter().fold(f64::INFINITY, f64::min);
+        let size =
+            touching.bodies().map(|body| model.bodies[body].size.to_f64()).into_iter().fold(f64::INFINITY, f64::min);
         let free = movers.weighted_movers(point.shares()).filter(|(mover, _)| mover.mobility > 0.0);
         let first = self.weights.len();
         self.weights.extend(free.map(|(mover, weight)| (mover.particle, weight)));
@@ -83,6 +103,23 @@ impl WeightedConstraints {
             .fold(DVec3::ZERO, |sum, &(particle, weight)| sum + state.velocity[particle as usize].to_dvec3() * weight);
         let constraint = point.in_equations(velocity, movers, size);
         let has_depth_limit = !point.throws();
-        self.all.push(WeightedConstraint { number, bodies, has_depth_limit, first_weight, weight_count, constraint });
+        self.all.push(WeightedConstraint { number, touching, has_depth_limit, first_weight, weight_count, constraint });
+    }
+
+    /// Hands over to contacts, whose equations begin at the place `first`, what was solved for: their impulses, and the
+    /// velocities of particles, m/s.
+    pub(in crate::physics::contact) fn finish<R: Real>(
+        &self,
+        first: usize,
+        points: &mut [PointConstraint],
+        movers: &mut Movers,
+        velocity: &[R::Vec3],
+    ) {
+        for (point, solved) in points.iter_mut().zip(&self.all[first..]) {
+            point.take_impulse(solved.constraint.solved_impulse());
+        }
+        for (mover, now) in movers.all.iter().zip(&mut movers.velocity).filter(|(mover, _)| mover.mobility > 0.0) {
+            *now = velocity[mover.particle as usize].to_dvec3();
+        }
     }
 }

@@ -19,7 +19,7 @@ mod solve;
 
 pub(in crate::physics) use constraint::pressed_at_end;
 pub(super) use constraint::{ContactPlane, PointConstraint, SpringBefore};
-pub(in crate::physics) use equations::{BYTES_A_CONTACT, WeightedConstraint, WeightedConstraints};
+pub(in crate::physics) use equations::{BYTES_A_CONTACT, Touching, WeightedConstraint, WeightedConstraints};
 pub use law::DEPTH_SHARE;
 pub(in crate::physics) use law::{PARTING_SPEED_SHARE, PointLaw, STIFFNESS_OVER_MASS};
 pub(in crate::physics) use modal::ModalBodies;

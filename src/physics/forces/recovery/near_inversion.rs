@@ -2,7 +2,7 @@
 //! body costs.
 //!
 //! Cells that follow one another along x share corners, and their corners lie in four rows, contiguous in memory. The
-//! arithmetic is that of [`MeanEdges::is_near_inversion`](super::edges::MeanEdges::is_near_inversion), operation by
+//! arithmetic is that of `MeanEdges::is_near_inversion`, operation by
 //! operation, so that both give the same answer for every cell.
 
 #![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]

@@ -45,8 +45,8 @@ pub(in crate::physics) fn write<R: Real>(
         if !angle.is_finite() || angle == 0.0 {
             continue;
         }
-        let axis = turn.normalize();
-        let [ahead, inwards] = [(angle.sin() - angle) / dt, (1.0 - angle.cos()) / dt];
+        let axis = turn * (dt / angle);
+        let [ahead, inwards] = [(libm::sin(angle) - angle) / dt, (1.0 - libm::cos(angle)) / dt];
         for (particle, moving) in own.clone().zip(&mut moving[own]) {
             let side = axis.cross(state.position[particle].to_dvec3() - center);
             *moving += R::Vec3::from_dvec3(side * ahead + axis.cross(side) * inwards);

@@ -11,10 +11,13 @@
 //! which is the change of a body's energy less all work done on it. For backward Euler, of which the integrator is the first
 //! iteration, it is never above zero if the energy is convex (Hairer, Lubich and Wanner, "Geometric Numerical Integration",
 //! 2006, VIII.6). The work of contact with obstacles is that of moving surfaces; the energy that its springs store counts as
-//! the body's. The work of contact with other bodies is that of its impulses at v': its own springs are exact.
+//! the body's. The work of contact of points, in other bodies or of a mesh at obstacles, is that of its impulses at v': its own
+//! springs are exact.
+
+use glam::DVec3;
 
 use crate::math::{Real, Vector};
-use crate::physics::contact::{BodyContact, ContactRecord, WeightedParticles};
+use crate::physics::contact::{BodyContact, ContactRecord, SampleContact, WeightedParticles};
 use crate::physics::forces::exact::ExactLinks;
 use crate::physics::forces::recovery;
 use crate::physics::interaction::{Grab, resistance};
@@ -58,8 +61,10 @@ pub(in crate::physics) struct SubstepEnd<'a, R: Real> {
     pub(in crate::physics) force: &'a [R::Vec3],
     /// What contact with obstacles did, ...
     pub(in crate::physics) contacts: &'a [ContactRecord<R>],
-    /// ... and contact between bodies.
+    /// ... contact between bodies, ...
     pub(in crate::physics) between_bodies: &'a [BodyContact],
+    /// ... and contact of meshes with obstacles.
+    pub(in crate::physics) on_mesh: &'a [SampleContact],
 }
 
 /// Whether a substep with this end gives one body energy from nowhere.
@@ -71,7 +76,7 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     stops: &dyn Fn() -> bool,
 ) -> bool {
     let Substep { model, state, dt, grab, .. } = substep;
-    let SubstepEnd { velocity, moving, force, contacts, between_bodies } = end;
+    let SubstepEnd { velocity, moving, force, contacts, between_bodies, on_mesh } = end;
     let body = &model.bodies[number];
     let [first, after] = [body.particles.start, body.particles.end]
         .map(|particle| contacts.partition_point(|contact| contact.particle < particle));
@@ -80,7 +85,8 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     let kinetic_at_start = (kinetic - gained - work).max(0.0);
     let (stored, carried, at_obstacles) = contact_energy(body, own, dt, moving);
     let (pushed, of_others) = between_bodies_work::<R>(number, between_bodies, dt.to_f64(), moving);
-    let total_contact_work = at_obstacles + of_others;
+    let (pushed_on_mesh, of_mesh) = mesh_work::<R>(number, on_mesh, dt.to_f64(), moving);
+    let total_contact_work = at_obstacles + of_others + of_mesh;
     let pulled = grab
         .filter(|grab| grab.body == number)
         .map_or(0.0, |grab| grab_work(grab, body, dt.to_f64(), state, [velocity, moving]));
@@ -89,7 +95,8 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     let from_nowhere = gained + link_energy_gain(substep, number, moving, exact, stops) + unfolded + stored
         - carried
         - pulled
-        - pushed;
+        - pushed
+        - pushed_on_mesh;
     let bearable = ROUNDING * kinetic + UNSOLVED_WORK_SHARE * total_contact_work.min(kinetic_at_start);
     // A NaN counts as energy from nowhere.
     from_nowhere.is_nan()
@@ -173,6 +180,17 @@ fn between_bodies_work<R: Real>(number: usize, contacts: &[BodyContact], dt: f64
             return (sum, total);
         }
         let speed = of_velocity(&contact.own) * of_point - of_velocity(&contact.cell) * of_cell;
+        let work = dt * contact.force.dot(speed);
+        (sum + work, total + work.abs())
+    })
+}
+
+/// Returns the work of contacts of a body's mesh with obstacles, and the sum of the sizes of it, J.
+fn mesh_work<R: Real>(number: usize, contacts: &[SampleContact], dt: f64, velocity: &[R::Vec3]) -> (f64, f64) {
+    let own = contacts.iter().filter(|contact| contact.body == number);
+    own.fold((0.0, 0.0), |(sum, total), contact| {
+        let carried = contact.carriers.iter().zip(contact.weights);
+        let speed: DVec3 = carried.map(|(carrier, weight)| velocity[*carrier].to_dvec3() * weight).sum();
         let work = dt * contact.force.dot(speed);
         (sum + work, total + work.abs())
     })

@@ -1,14 +1,13 @@
 //! Conjugate gradients: solves one linear system, with the constraints as they are.
 
-use crate::physics::model::Values;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::matrix::Factor;
 use super::system::{BodyEquations, ImplicitWorkspace, System};
-use super::vectors::{add_scaled, dot, scale, scale_and_add};
+use super::vectors::{add_scaled, dot, scale_and_add};
 use crate::math::Real;
 use crate::physics::contact::ParticleConstraint;
-use crate::physics::forces::particles::zero_pinned;
+use crate::physics::model::Values;
 
 /// The most iterations of one solve: some twenty times what a stiff body takes.
 const MAX_ITERATIONS: u64 = 400;
@@ -43,7 +42,7 @@ impl<R: Real> System<'_, R> {
     pub(super) fn start(&mut self) {
         self.find_residual(false);
         self.workspace.inverse_blocks.clear();
-        self.workspace.points.clear();
+        self.workspace.point_blocks.clear();
         self.scale_residual();
         for (number, own) in self.ranges() {
             let body = &self.model.bodies[number];
@@ -63,11 +62,11 @@ impl<R: Real> System<'_, R> {
             equations.squared_tolerance =
                 (moving.min(known) * TOLERANCE * TOLERANCE).max(known * MIN_TOLERANCE * MIN_TOLERANCE);
         }
-        let Self { at_obstacles, between_bodies, weights, workspace, .. } = self;
+        let Self { at_obstacles, points, weights, workspace, .. } = self;
         for touching in &mut **at_obstacles {
             touching.constraint.stiffen_depth_limit(workspace.diagonal[touching.particle]);
         }
-        for contact in between_bodies.iter_mut().filter(|contact| contact.has_depth_limit) {
+        for contact in points.iter_mut().filter(|contact| contact.has_depth_limit) {
             let gives = contact.own(weights).iter().fold(0.0, |sum, &(particle, weight)| {
                 sum + weight * weight * workspace.inverse_diagonal[particle as usize].x
             });
@@ -91,7 +90,7 @@ impl<R: Real> System<'_, R> {
             for ParticleConstraint { particle, constraint, .. } in &*self.at_obstacles {
                 residual[*particle] += constraint.impulse(velocity[*particle]);
             }
-            for contact in &*self.between_bodies {
+            for contact in &*self.points {
                 let impulse = contact.constraint.impulse(contact.sum(self.weights, velocity));
                 for &(particle, weight) in contact.own(self.weights) {
                     residual[particle as usize] += impulse * weight;
@@ -105,7 +104,6 @@ impl<R: Real> System<'_, R> {
         let level = self.level;
         self.find_residual(true);
         self.precondition();
-        self.make_rigid_motions();
         for (_, own) in self.ranges() {
             let ImplicitWorkspace { before, velocity, residual_before, residual, .. } = &mut *self.workspace;
             before[own.clone()].copy_from_slice(&velocity[own.clone()]);
@@ -120,7 +118,6 @@ impl<R: Real> System<'_, R> {
             };
         }
         self.add_coarse_correction();
-        self.add_rigid_correction();
         let mut size = self.dot_with_residual();
         for (_, own) in self.ranges() {
             let ImplicitWorkspace { search, scaled, .. } = &mut *self.workspace;
@@ -147,7 +144,6 @@ impl<R: Real> System<'_, R> {
             }
             self.scale_residual();
             self.add_coarse_correction();
-            self.add_rigid_correction();
             let smaller = self.dot_with_residual();
             let keep = smaller / size;
             for (_, own) in self.ranges() {
@@ -178,73 +174,11 @@ impl<R: Real> System<'_, R> {
         for ParticleConstraint { particle, constraint, .. } in &*self.at_obstacles {
             product[*particle] += *constraint.matrix() * search[*particle];
         }
-        for contact in self.between_bodies.iter().filter(|contact| contact.constraint.is_in_equations()) {
+        for contact in self.points.iter().filter(|contact| contact.constraint.is_in_equations()) {
             let taken = *contact.constraint.matrix() * contact.sum(self.weights, search);
             for &(particle, weight) in contact.own(self.weights) {
                 product[particle as usize] += taken * weight;
             }
-        }
-    }
-
-    /// Makes the inverse blocks of touched particles, and passes contact on to the coarse grids.
-    fn precondition(&mut self) {
-        let ImplicitWorkspace { inverse_blocks, diagonal, .. } = &mut *self.workspace;
-        inverse_blocks.clear();
-        for own in self.at_obstacles.chunk_by(|a, b| a.particle == b.particle) {
-            let particle = own[0].particle;
-            let block = own.iter().fold(DMat3::from_diagonal(DVec3::splat(diagonal[particle])), |sum, one| {
-                sum + *one.constraint.matrix()
-            });
-            inverse_blocks.push((particle, block.inverse()));
-        }
-        self.make_point_blocks();
-        let (model, weights) = (self.model, self.weights);
-        for number in self.bodies {
-            let own = model.bodies[*number].particles.clone();
-            let BodyEquations { grids, uses_grids, .. } = &mut self.workspace.bodies[*number];
-            let Some(grids) = grids.as_mut().filter(|_| *uses_grids) else { continue };
-            let at_obstacles = self.at_obstacles.iter().filter(|one| own.contains(&one.particle));
-            let at_obstacles = at_obstacles.map(|one| (one.particle - own.start, *one.constraint.matrix()));
-            // The weights of a body in a contact sum to one, so that the whole of it is resisted by as much as the contact
-            // resists.
-            let between_bodies = self.between_bodies.iter().filter(|contact| contact.constraint.is_in_equations());
-            let between_bodies = between_bodies.flat_map(|contact| {
-                let matrix = *contact.constraint.matrix();
-                contact.own(weights).iter().map(move |&(particle, weight)| (particle as usize, matrix * weight.abs()))
-            });
-            let between_bodies = between_bodies.filter(|(particle, _)| own.contains(particle));
-            grids.set_resistance(
-                at_obstacles.chain(between_bodies.map(|(particle, matrix)| (particle - own.start, matrix))),
-            );
-        }
-    }
-
-    /// Divides the residual by the diagonal, or by the blocks of touched particles. Finds its squared norm over the diagonal
-    /// without constraints for each body: over the diagonal with them, held particles would hardly count.
-    fn scale_residual(&mut self) {
-        let ranges = self.ranges();
-        let ImplicitWorkspace { bodies, residual, scaled, inverse_diagonal, inverse_blocks, .. } = &mut *self.workspace;
-        for (number, own) in ranges {
-            let [residual, inverse] = [&*residual, inverse_diagonal].map(|of| &of[own.clone()]);
-            bodies[number].squared_residual = scale(self.level, residual, inverse, &mut scaled[own]);
-        }
-        for (particle, block) in inverse_blocks {
-            scaled[*particle] = *block * residual[*particle];
-        }
-        self.relax_points();
-    }
-
-    /// Adds the correction of the coarse grids for the residual.
-    fn add_coarse_correction(&mut self) {
-        for (number, own) in self.ranges() {
-            let ImplicitWorkspace { bodies, scaled, residual, .. } = &mut *self.workspace;
-            let BodyEquations { grids, uses_grids, .. } = &mut bodies[number];
-            let Some(grids) = grids.as_mut().filter(|_| *uses_grids) else { continue };
-            let body = &self.model.bodies[number];
-            let (residual, scaled) = (&mut residual[own.clone()], &mut scaled[own.clone()]);
-            zero_pinned(body, 0..own.len(), residual);
-            grids.correct(self.level, residual, scaled);
-            zero_pinned(body, 0..own.len(), scaled);
         }
     }
 }

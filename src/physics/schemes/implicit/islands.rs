@@ -24,14 +24,15 @@ impl Islands {
         &mut self,
         state: &State<R>,
         at_obstacles: &mut [ParticleConstraint],
-        between_bodies: &mut [WeightedConstraint],
+        points: &mut [WeightedConstraint],
     ) {
         let bodies = state.bodies.len();
         self.first_of.clear();
         self.first_of.extend(0..bodies);
-        for contact in &*between_bodies {
-            if contact.bodies.iter().all(|body| !state.bodies[*body].asleep) {
-                self.join(contact.bodies);
+        for contact in &*points {
+            let bodies = contact.touching.bodies();
+            if bodies.iter().all(|body| !state.bodies[*body].asleep) {
+                self.join(bodies);
             }
         }
         for body in 0..bodies {
@@ -39,20 +40,21 @@ impl Islands {
         }
         self.order.clear();
         self.order.extend((0..bodies).filter(|body| !state.bodies[*body].asleep));
-        if between_bodies.is_empty() {
+        if points.is_empty() {
             return;
         }
         let first_of = &self.first_of;
         self.order.sort_unstable_by_key(|body| (first_of[*body], *body));
         at_obstacles.sort_unstable_by_key(|one| (first_of[one.body], one.place()));
         // A body that sleeps is in no island.
-        between_bodies.sort_unstable_by_key(|contact| (self.of_contact(state, contact), contact.number));
+        points.sort_unstable_by_key(|contact| (self.of_contact(state, contact), contact.number));
     }
 
     /// The first body of the island of a contact.
     pub(super) fn of_contact<R: Real>(&self, state: &State<R>, contact: &WeightedConstraint) -> usize {
-        let awake = contact.bodies.into_iter().find(|body| !state.bodies[*body].asleep);
-        self.first_of[awake.unwrap_or(contact.bodies[0])]
+        let bodies = contact.touching.bodies();
+        let awake = bodies.into_iter().find(|body| !state.bodies[*body].asleep);
+        self.first_of[awake.unwrap_or(bodies[0])]
     }
 
     /// The first body of the island of a body.

@@ -81,10 +81,10 @@ impl<R: Real> System<'_, R> {
         let at_obstacles = self.at_obstacles.iter().map(|ParticleConstraint { particle, constraint, .. }| {
             impulse(constraint, &|of| of[*particle]).dot(search[*particle])
         });
-        let between_bodies = self.between_bodies.iter().map(|contact| {
+        let points = self.points.iter().map(|contact| {
             let sum = |of: &[DVec3]| contact.sum(self.weights, of);
             impulse(&contact.constraint, &sum).dot(sum(search))
         });
-        at_obstacles.sum::<f64>() + between_bodies.sum::<f64>()
+        at_obstacles.sum::<f64>() + points.sum::<f64>()
     }
 }

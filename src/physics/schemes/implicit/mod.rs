@@ -10,14 +10,14 @@
 //! definite in any state. l* is the length without what turning added to it in the step before, as ends move along straight
 //! lines: the step takes that away, and tension that is not there at its end would hold back what turns. With l in its place
 //! a stiff cube lost three quarters of its spin in a tenth of a second. Contact is in it as `(dt² k + dt d) n nᵀ`, friction as a resistance `c (I − n nᵀ)`, both on the
-//! velocity of a particle at an obstacle or on that of a point of one body relative to the cell of another that it is in.
+//! velocity of a particle or a point of a mesh at an obstacle, or on that of a point of one body relative to the cell of another
+//! that it is in.
 //! Bodies that touch each other are solved for together ([`islands`]). Which contact constraints push and how much each resists is found by repeated solves, each from the last solution or from the point on
 //! the way to it where the potential was least. While constraints still change, a solution need not be exact. The solver is
 //! conjugate gradients in double precision, whatever precision the state has: a particle held by friction is a million times
-//! stiffer than a free one. The preconditioner is the diagonal, for a particle that touches an obstacle its whole 3×3 block,
-//! a rough solution for contacts between bodies ([`points`]), for bodies that touch their rigid motions ([`rigid`]), and for a
-//! stiff body coarser grids as well ([`multigrid`]). Sums are in a fixed order, body by body: the result is a function of the
-//! state alone.
+//! stiffer than a free one. The preconditioner ([`preconditioner`]) is the diagonal, a rough solution for contacts of points
+//! ([`points`]), for bodies that touch their rigid motions ([`rigid`]), and for a stiff body coarser grids as well
+//! ([`multigrid`]). Sums are in a fixed order, body by body: the result is a function of the state alone.
 
 #![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 
@@ -29,6 +29,7 @@ mod line_search;
 mod matrix;
 mod multigrid;
 mod points;
+mod preconditioner;
 mod rigid;
 pub(super) mod system;
 mod vectors;
@@ -41,7 +42,9 @@ use self::points::BYTES_A_BLOCK;
 use self::system::{BodyEquations, ImplicitWorkspace, LinkBlock, System};
 use crate::geometry::LatticeCounts;
 use crate::math::{Real, Vector};
-use crate::physics::contact::{BYTES_A_CONTACT, ContactWorkspace, ParticleConstraint, WeightedConstraints};
+use crate::physics::contact::{
+    BYTES_A_CONTACT, ContactWorkspace, ParticleConstraint, Touching, WeightedConstraint, WeightedConstraints,
+};
 use crate::physics::forces::recovery::Resistance;
 use crate::physics::kernels::{MAX_CORNERS_PER_PARTICLE, tangent_bytes};
 use crate::physics::model::Values;
@@ -94,17 +97,17 @@ pub(super) fn solve<R: Real>(
     let Stepper { substep, force, .. } = *stepper;
     let Substep { model, plan, dt, state, grab, .. } = substep;
     let (workspace, exact) = (&mut stepper.workspace.implicit, &mut stepper.forces.exact);
-    if !contact.bodies.equations.all.is_empty() {
-        workspace.points.make_room(&contact.bodies.equations);
+    if !contact.equations.all.is_empty() {
+        workspace.point_blocks.make_room(&contact.equations);
     }
-    let WeightedConstraints { all: between_bodies, weights } = &mut contact.bodies.equations;
+    let WeightedConstraints { all: of_points, weights } = &mut contact.equations;
     let mut islands = std::mem::take(&mut workspace.islands);
-    islands.find(state, &mut contact.constraints, between_bodies);
-    let (mut at_obstacles, mut between) = (&mut contact.constraints[..], &mut between_bodies[..]);
+    islands.find(state, &mut contact.constraints, of_points);
+    let (mut at_obstacles, mut points) = (&mut contact.constraints[..], &mut of_points[..]);
     for bodies in islands.order().chunk_by(|a, b| islands.of_body(*a) == islands.of_body(*b)) {
         let island = islands.of_body(bodies[0]);
         let own = at_obstacles.partition_point(|one| islands.of_body(one.body) <= island);
-        let own_between = between.partition_point(|contact| islands.of_contact(state, contact) <= island);
+        let own_points = points.partition_point(|contact| islands.of_contact(state, contact) <= island);
         let mut system = System {
             model,
             bodies,
@@ -113,7 +116,7 @@ pub(super) fn solve<R: Real>(
             threads: plan.threads,
             grab,
             at_obstacles: at_obstacles.split_off_mut(..own).unwrap_or_default(),
-            between_bodies: between.split_off_mut(..own_between).unwrap_or_default(),
+            points: points.split_off_mut(..own_points).unwrap_or_default(),
             weights,
             exact,
             workspace,
@@ -125,9 +128,9 @@ pub(super) fn solve<R: Real>(
         system.finish(velocity);
     }
     workspace.islands = islands;
-    if !between_bodies.is_empty() {
+    if !of_points.is_empty() {
         contact.constraints.sort_unstable_by_key(ParticleConstraint::place);
-        between_bodies.sort_unstable_by_key(|contact| contact.number);
+        of_points.sort_unstable_by_key(|contact| contact.number);
     }
 }
 
@@ -194,7 +197,7 @@ impl<R: Real> System<'_, R> {
         for ParticleConstraint { particle, constraint, .. } in &mut *self.at_obstacles {
             must_solve_again |= constraint.relinearize(velocity[*particle], carefully);
         }
-        for contact in &mut *self.between_bodies {
+        for contact in &mut *self.points {
             let relative_velocity = contact.sum(self.weights, velocity);
             must_solve_again |= contact.constraint.relinearize(relative_velocity, carefully);
         }
@@ -208,7 +211,9 @@ impl<R: Real> System<'_, R> {
             let is_held = self.grab.is_some_and(|grab| grab.body == *number);
             !is_held && self.model.bodies[*number].pinned == Values::Uniform(false)
         };
-        if !self.at_obstacles.is_empty() || !self.bodies.iter().all(is_free) {
+        let meets_obstacle = |contact: &WeightedConstraint| matches!(contact.touching, Touching::MeshAtObstacle(_));
+        let meets_obstacle = !self.at_obstacles.is_empty() || self.points.iter().any(meets_obstacle);
+        if meets_obstacle || !self.bodies.iter().all(is_free) {
             return;
         }
         let ImplicitWorkspace { right_hand_side, velocity, .. } = &mut *self.workspace;

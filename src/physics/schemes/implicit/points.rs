@@ -1,8 +1,8 @@
-//! Contacts between bodies in the preconditioner.
+//! Contacts of points in the preconditioner.
 //!
 //! A contact of a point of one body in a cell of another ties their particles together, where friction holds it a million
 //! times as stiffly as links do. Blocks on the diagonal would say that the particles are held fast, while the two may well
-//! move together. So the contacts are solved for: with D the part of the matrix by particle, W the weights of contacts and S
+//! move together; and a point of a mesh at an obstacle holds the mean of particles that may turn about it. So the contacts are solved for: with D the part of the matrix by particle, W the weights of contacts and S
 //! their matrices,
 //!
 //! ```text
@@ -18,9 +18,7 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
-use super::system::{ImplicitWorkspace, System};
-use crate::math::Real;
-use crate::physics::contact::WeightedConstraints;
+use crate::physics::contact::{WeightedConstraint, WeightedConstraints};
 
 /// A contact in the preconditioner.
 #[derive(Clone, Debug)]
@@ -73,6 +71,23 @@ impl PointBlocks {
         self.particles.reserve(contacts.weights.capacity());
     }
 
+    /// Adds a contact, which weighs particles out of `weights`. Of the matrix without contacts of points the inverse diagonal of
+    /// every particle is given, 1/kg, and the inverse blocks of those that touch obstacles, in order.
+    pub(super) fn add_contact(
+        &mut self,
+        contact: &WeightedConstraint,
+        weights: &[(u32, f64)],
+        inverse_diagonal: &[DVec3],
+        inverse_blocks: &[(usize, DMat3)],
+    ) {
+        let particles = contact.own(weights).iter().map(|&(particle, weight)| {
+            let known = inverse_blocks.binary_search_by_key(&(particle as usize), |block| block.0);
+            let block = known.ok().and_then(|place| u32::try_from(place).ok()).unwrap_or(NO_BLOCK);
+            WeighedParticle { particle, block, weight, inverse: inverse_diagonal[particle as usize].x }
+        });
+        self.add(*contact.constraint.matrix(), particles, inverse_blocks);
+    }
+
     /// Adds a contact of these particles.
     fn add(&mut self, matrix: DMat3, particles: impl Iterator<Item = WeighedParticle>, of_touched: &[(usize, DMat3)]) {
         let first = self.particles.len();
@@ -86,7 +101,7 @@ impl PointBlocks {
     }
 
     /// Lets the contacts act on the residual as scaled particle by particle.
-    fn relax(&mut self, of_touched: &[(usize, DMat3)], scaled: &mut [DVec3]) {
+    pub(super) fn relax(&mut self, of_touched: &[(usize, DMat3)], scaled: &mut [DVec3]) {
         self.blocks.iter_mut().for_each(|block| block.impulse = DVec3::ZERO);
         let Self { blocks, particles } = self;
         let mut relax = |block: &mut PointBlock| {
@@ -104,7 +119,7 @@ impl PointBlocks {
 }
 
 impl WeighedParticle {
-    /// The inverse of the matrix's block of the particle, without contacts between bodies, 1/kg.
+    /// The inverse of the matrix's block of the particle, without contacts of points, 1/kg.
     fn inverse_block(&self, of_touched: &[(usize, DMat3)]) -> DMat3 {
         match self.block {
             NO_BLOCK => DMat3::from_diagonal(DVec3::splat(self.inverse)),
@@ -118,29 +133,6 @@ impl WeighedParticle {
             NO_BLOCK => impulse * self.inverse,
             place => of_touched[place as usize].1 * impulse,
         }
-    }
-}
-
-impl<R: Real> System<'_, R> {
-    /// Sets up the blocks for the constraints as they are. A constraint that does not push has none.
-    pub(super) fn make_point_blocks(&mut self) {
-        let Self { between_bodies, weights, workspace, .. } = self;
-        let ImplicitWorkspace { points, inverse_blocks, inverse_diagonal, .. } = &mut **workspace;
-        points.clear();
-        for contact in between_bodies.iter().filter(|contact| contact.constraint.is_in_equations()) {
-            let particles = contact.own(weights).iter().map(|&(particle, weight)| {
-                let known = inverse_blocks.binary_search_by_key(&(particle as usize), |block| block.0);
-                let block = known.ok().and_then(|place| u32::try_from(place).ok()).unwrap_or(NO_BLOCK);
-                WeighedParticle { particle, block, weight, inverse: inverse_diagonal[particle as usize].x }
-            });
-            points.add(*contact.constraint.matrix(), particles, inverse_blocks);
-        }
-    }
-
-    /// Takes the residual scaled particle by particle, and lets contacts between bodies act on it.
-    pub(super) fn relax_points(&mut self) {
-        let ImplicitWorkspace { points, inverse_blocks, scaled, .. } = &mut *self.workspace;
-        points.relax(inverse_blocks, scaled);
     }
 }
 

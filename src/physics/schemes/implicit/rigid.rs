@@ -7,20 +7,16 @@
 //! z += R (Rᵀ (M + Σ contacts) R)⁻¹ Rᵀ r     R the six rigid motions of every body about its middle
 //! ```
 //!
-//! Without it a stack of three cubes takes three times as many iterations.
+//! Without it a stack of three cubes takes three times as many iterations. It helps as well where points of a mesh stand on an
+//! obstacle, to which the diagonal is blind.
 
 use glam::{DMat3, DVec3};
 
-use super::system::{ImplicitWorkspace, System};
-use crate::math::{Real, Vector};
-use crate::physics::contact::ParticleConstraint;
-use crate::physics::model::Values;
-
 /// Motions of a rigid body.
-const MOTIONS: usize = 6;
+pub(super) const MOTIONS: usize = 6;
 
 /// Islands of more bodies go without: the equations are dense.
-const MAX_BODIES: usize = 64;
+pub(super) const MAX_BODIES: usize = 64;
 
 /// A motion of which less than this share of its resistance is left by those before it is one of them.
 const MIN_PIVOT_SHARE: f64 = 1e-13;
@@ -29,30 +25,30 @@ const MIN_PIVOT_SHARE: f64 = 1e-13;
 #[derive(Clone, Debug, Default)]
 pub(super) struct RigidMotions {
     /// The place of every body of the scene among those that move as a whole: no particle of them is pinned.
-    place_of: Vec<Option<usize>>,
+    pub(super) place_of: Vec<Option<usize>>,
     /// Where every particle is from the middle of its body, m.
-    from_middle: Vec<DVec3>,
+    pub(super) from_middle: Vec<DVec3>,
     /// The motions of all these bodies together; none where they are left out.
-    count: usize,
+    pub(super) count: usize,
     /// The equations by rows, and then their lower factor.
-    matrix: Vec<f64>,
+    pub(super) matrix: Vec<f64>,
     /// The load, N·s and N·m·s, and then the solution, m/s and 1/s.
-    solution: Vec<f64>,
+    pub(super) solution: Vec<f64>,
 }
 
 /// How a weighted sum of velocities changes with each motion of a body.
-type MotionRows = [DVec3; MOTIONS];
+pub(super) type MotionRows = [DVec3; MOTIONS];
 
 impl RigidMotions {
     /// How the motions of its body move a particle.
-    fn rows(&self, particle: usize) -> MotionRows {
+    pub(super) fn rows(&self, particle: usize) -> MotionRows {
         let from = self.from_middle[particle];
         let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
         [x, y, z, x.cross(from), y.cross(from), z.cross(from)]
     }
 
     /// Adds the resistance of what acts on a sum of velocities, given how this changes with the motions of some bodies.
-    fn add(&mut self, of: &[(usize, MotionRows)], resistance: DMat3) {
+    pub(super) fn add(&mut self, of: &[(usize, MotionRows)], resistance: DMat3) {
         for (one, rows) in of {
             for (other, columns) in of {
                 for (i, row) in rows.iter().enumerate() {
@@ -67,7 +63,7 @@ impl RigidMotions {
     }
 
     /// Factorises the matrix (Cholesky). A motion that nothing resists is left out.
-    fn factorise(&mut self) {
+    pub(super) fn factorise(&mut self) {
         let Self { count, matrix, .. } = self;
         for i in 0..*count {
             let (before, row) = matrix.split_at_mut(i * *count);
@@ -83,7 +79,7 @@ impl RigidMotions {
     }
 
     /// Solves for the load.
-    fn solve(&mut self) {
+    pub(super) fn solve(&mut self) {
         let Self { count, matrix, solution, .. } = self;
         for i in 0..*count {
             let row = &matrix[i * *count..][..=i];
@@ -96,117 +92,6 @@ impl RigidMotions {
             let own = solution[i];
             for (solution, a) in solution[..i].iter_mut().zip(row) {
                 *solution -= a * own;
-            }
-        }
-    }
-}
-
-impl<R: Real> System<'_, R> {
-    /// Finds the bodies that move as a whole, and where their particles are from their middles.
-    pub(super) fn prepare_rigid_motions(&mut self, position: &[R::Vec3]) {
-        let (model, ranges, is_island) = (self.model, self.ranges(), (2..=MAX_BODIES).contains(&self.bodies.len()));
-        let rigid = &mut self.workspace.rigid;
-        rigid.count = 0;
-        if !is_island {
-            return;
-        }
-        // Room for the largest island that there may be.
-        let most = MOTIONS * model.bodies.len().min(MAX_BODIES);
-        rigid.matrix.reserve((most * most).saturating_sub(rigid.matrix.len()));
-        rigid.solution.reserve(most.saturating_sub(rigid.solution.len()));
-        rigid.place_of.clear();
-        rigid.place_of.resize(model.bodies.len(), None);
-        rigid.from_middle.resize(model.particle_count(), DVec3::ZERO);
-        let mut bodies = 0;
-        for (number, own) in ranges.filter(|(number, _)| model.bodies[*number].pinned == Values::Uniform(false)) {
-            rigid.place_of[number] = Some(bodies);
-            bodies += 1;
-            let middle = own.clone().fold(DVec3::ZERO, |sum, particle| sum + position[particle].to_dvec3());
-            let middle = middle / own.len() as f64;
-            for particle in own {
-                rigid.from_middle[particle] = position[particle].to_dvec3() - middle;
-            }
-        }
-        rigid.count = MOTIONS * bodies;
-    }
-
-    /// Sets up and factorises the equations of the rigid motions for the constraints as they are.
-    pub(super) fn make_rigid_motions(&mut self) {
-        if self.workspace.rigid.count == 0 {
-            return;
-        }
-        let (model, ranges) = (self.model, self.ranges());
-        let Self { at_obstacles, between_bodies, weights, workspace, .. } = self;
-        let rigid = &mut workspace.rigid;
-        rigid.matrix.clear();
-        rigid.matrix.resize(rigid.count * rigid.count, 0.0);
-        rigid.solution.resize(rigid.count, 0.0);
-        for (number, own) in ranges {
-            let Some(place) = rigid.place_of[number] else { continue };
-            for (local, particle) in own.enumerate() {
-                let mass = DMat3::from_diagonal(DVec3::splat(model.bodies[number].mass(local).to_f64()));
-                rigid.add(&[(place, rigid.rows(particle))], mass);
-            }
-        }
-        for ParticleConstraint { body, particle, constraint, .. } in &**at_obstacles {
-            if let Some(place) = rigid.place_of[*body] {
-                rigid.add(&[(place, rigid.rows(*particle))], *constraint.matrix());
-            }
-        }
-        for contact in between_bodies.iter().filter(|contact| contact.constraint.is_in_equations()) {
-            let of_body = |number: usize| {
-                let mut sums = [DVec3::ZERO; MOTIONS];
-                for &(particle, weight) in contact.own(weights) {
-                    let particle = particle as usize;
-                    if model.bodies[number].particles.contains(&particle) {
-                        let rows = rigid.rows(particle);
-                        sums.iter_mut().zip(rows).for_each(|(sum, row)| *sum += row * weight);
-                    }
-                }
-                (rigid.place_of[number].unwrap_or_default(), sums)
-            };
-            let moving = contact.bodies.map(|number| rigid.place_of[number].is_some());
-            let matrix = *contact.constraint.matrix();
-            match contact.bodies {
-                // A body that touches itself does not move itself as a whole.
-                [one, other] if one == other => {}
-                [one, other] if moving == [true; 2] => {
-                    let both = [of_body(one), of_body(other)];
-                    rigid.add(&both, matrix);
-                }
-                [one, other] => {
-                    if let Some(number) = [one, other].into_iter().zip(moving).find(|(_, moves)| *moves) {
-                        let alone = [of_body(number.0)];
-                        rigid.add(&alone, matrix);
-                    }
-                }
-            }
-        }
-        rigid.factorise();
-    }
-
-    /// Adds the rigid motions for the residual.
-    pub(super) fn add_rigid_correction(&mut self) {
-        let bodies = self.ranges();
-        let ImplicitWorkspace { rigid, residual, scaled, .. } = &mut *self.workspace;
-        if rigid.count == 0 {
-            return;
-        }
-        for (number, own) in bodies.clone() {
-            let Some(place) = rigid.place_of[number] else { continue };
-            let of_particles = residual[own.clone()].iter().zip(&rigid.from_middle[own]);
-            let (force, torque) = of_particles.fold((DVec3::ZERO, DVec3::ZERO), |(force, torque), (residual, from)| {
-                (force + *residual, torque + from.cross(*residual))
-            });
-            let load = &mut rigid.solution[place * MOTIONS..][..MOTIONS];
-            load.copy_from_slice(&[force.x, force.y, force.z, torque.x, torque.y, torque.z]);
-        }
-        rigid.solve();
-        for (number, own) in bodies {
-            let Some(place) = rigid.place_of[number] else { continue };
-            let [drift, turn] = [0, 3].map(|first| DVec3::from_slice(&rigid.solution[place * MOTIONS + first..]));
-            for (scaled, from) in scaled[own.clone()].iter_mut().zip(&rigid.from_middle[own]) {
-                *scaled += drift + turn.cross(*from);
             }
         }
     }

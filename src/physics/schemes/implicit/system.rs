@@ -83,8 +83,8 @@ pub(in crate::physics::schemes) struct ImplicitWorkspace<R: Real> {
     pub(super) inverse_diagonal: Vec<DVec3>,
     /// The inverse blocks of particles that touch obstacles, in order.
     pub(super) inverse_blocks: Vec<(usize, DMat3)>,
-    /// What the preconditioner knows of contacts between bodies.
-    pub(super) points: PointBlocks,
+    /// What the preconditioner knows of contacts of points.
+    pub(super) point_blocks: PointBlocks,
     /// The bodies as rigid ones.
     pub(super) rigid: RigidMotions,
     pub(super) right_hand_side: Vec<DVec3>,
@@ -111,7 +111,7 @@ impl<R: Real> ImplicitWorkspace<R> {
             diagonal: vec![0.0; particles],
             inverse_diagonal: vectors(),
             inverse_blocks: Vec::with_capacity(surface),
-            points: PointBlocks::default(),
+            point_blocks: PointBlocks::default(),
             rigid: RigidMotions::default(),
             right_hand_side: vectors(),
             velocity: vectors(),
@@ -138,9 +138,9 @@ pub(super) struct System<'a, R: Real> {
     pub(super) grab: Option<&'a Grab<R>>,
     /// The constraints of particles at obstacles, by particle.
     pub(super) at_obstacles: &'a mut [ParticleConstraint],
-    /// Those of points of these bodies in cells of these bodies, ...
-    pub(super) between_bodies: &'a mut [WeightedConstraint],
-    /// ... and the particles that all contacts between bodies weigh.
+    /// Those of points of these bodies in cells of these bodies, and of their meshes at obstacles, ...
+    pub(super) points: &'a mut [WeightedConstraint],
+    /// ... and the particles that all contacts of points weigh.
     pub(super) weights: &'a [(u32, f64)],
     /// The links in the boxes of bodies.
     pub(super) exact: &'a mut ExactLinks,
@@ -156,6 +156,6 @@ impl<'a, R: Real> System<'a, R> {
 
     /// Whether nothing but itself acts on a single body.
     pub(super) fn is_untouched(&self) -> bool {
-        self.at_obstacles.is_empty() && self.between_bodies.is_empty()
+        self.at_obstacles.is_empty() && self.points.is_empty()
     }
 }
