@@ -33,6 +33,7 @@ mod sleep;
 mod solid;
 mod stabilised;
 mod stability;
+mod stiff_bodies;
 mod substeps;
 mod support;
 mod work;
