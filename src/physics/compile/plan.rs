@@ -79,6 +79,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let rates = stabilised_limits.filter(|_| scheme == Scheme::Stabilised).map(|limits| stage_rates(model, limits));
     let division = candidates.iter().find(|candidate| candidate.0 == scheme).map_or(requested, |candidate| candidate.1);
     let (StepDivision { dt_secs, substeps, span }, secs) = (division, division.substep_secs());
+    let of_contact = Substeps { scheme, secs, divided };
     let plan = Plan {
         scheme,
         scheme_costs,
@@ -100,8 +101,8 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         friction: model.obstacles.iter().any(|o| o.friction_static > R::ZERO || o.friction_dynamic > R::ZERO),
         recovery: model.bodies.iter().any(|body| body.recovery.stiffness > R::ZERO),
         contact,
-        between_bodies: body_contact_plan(model, &semi_implicit, scheme, secs, divided),
-        on_mesh: mesh_contact_plan(model, &semi_implicit, scheme, secs, divided).filter(|_| contact && !by_thesis),
+        between_bodies: body_contact_plan(model, &semi_implicit, of_contact),
+        on_mesh: mesh_contact_plan(model, &semi_implicit, of_contact).filter(|_| contact && !by_thesis),
         contact_rule,
         pressing_force: true,
         watched: !divided,
@@ -122,23 +123,31 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     Plan { halvings, ends_explicitly: needed == halvings, most_work, parts, ..plan }
 }
 
-/// How substeps of `secs` (s) are taken in which bodies come near each other or themselves. The implicit scheme may solve for
+/// The substeps of a plan.
+#[derive(Clone, Copy, Debug)]
+struct Substeps {
+    scheme: Scheme,
+    /// Their length, s.
+    secs: f64,
+    /// Whether steps are divided until they are stable.
+    divided: bool,
+}
+
+/// How substeps are taken in which bodies come near each other or themselves. The implicit scheme may solve for
 /// them, unless modal bodies are among them. For the others contact between bodies is an impulse on predicted velocities.
 /// Schemes that have no place for it leave such substeps to the default scheme, in parts, where steps are `divided`. Where they
 /// are not, or would need too many parts, there is no contact between bodies.
 fn body_contact_plan<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
-    scheme: Scheme,
-    secs: f64,
-    divided: bool,
+    substeps: Substeps,
 ) -> Option<BodyContactPlan> {
     let meeting = model.bodies.iter().filter(|body| body.meets_others()).count();
     if meeting < 2 && !model.bodies.iter().any(BodyModel::meets_itself) {
         return None;
     }
-    let takes_impulses = !matches!(scheme, Scheme::Implicit | Scheme::Stabilised);
-    point_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses)
+    let takes_impulses = !matches!(substeps.scheme, Scheme::Implicit | Scheme::Stabilised);
+    point_contact_plan(model, semi_implicit, substeps, takes_impulses)
 }
 
 /// The same for substeps in which points of a body's mesh come near an obstacle. Their contact is found on the particles'
@@ -146,26 +155,23 @@ fn body_contact_plan<R: Real>(
 fn mesh_contact_plan<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
-    scheme: Scheme,
-    secs: f64,
-    divided: bool,
+    substeps: Substeps,
 ) -> Option<BodyContactPlan> {
     model.bodies.iter().find(|body| body.samples.is_some())?;
-    let takes_impulses = matches!(scheme, Scheme::SemiImplicit | Scheme::Verlet);
-    point_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses)
+    let takes_impulses = matches!(substeps.scheme, Scheme::SemiImplicit | Scheme::Verlet);
+    point_contact_plan(model, semi_implicit, substeps, takes_impulses)
 }
 
-/// How substeps of `secs` (s) with contact of points are taken: by impulses on predicted velocities; where the implicit scheme
+/// How substeps with contact of points are taken: by impulses on predicted velocities; where the implicit scheme
 /// is in use it may solve for them.
 fn point_contact_plan<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
-    scheme: Scheme,
-    secs: f64,
-    divided: bool,
+    substeps: Substeps,
     takes_impulses: bool,
 ) -> Option<BodyContactPlan> {
-    let plan = impulse_contact_plan(model, semi_implicit, scheme, secs, divided, takes_impulses);
+    let Substeps { scheme, secs, divided } = substeps;
+    let plan = impulse_contact_plan(model, semi_implicit, substeps, takes_impulses);
     let is_solved_for = scheme == Scheme::Implicit && model.bodies.iter().all(|body| body.modal.is_none());
     if !is_solved_for {
         return plan;
@@ -177,16 +183,15 @@ fn point_contact_plan<R: Real>(
     Some(BodyContactPlan { parts_a_solve: Some(parts_a_solve), ..plan.unwrap_or(solved) })
 }
 
-/// How substeps of `secs` (s) are taken in which contact changes predicted velocities: by the scheme itself where it
+/// How substeps are taken in which contact changes predicted velocities: by the scheme itself where it
 /// `takes_impulses` for that, otherwise by the default one.
 fn impulse_contact_plan<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
-    scheme: Scheme,
-    secs: f64,
-    divided: bool,
+    substeps: Substeps,
     takes_impulses: bool,
 ) -> Option<BodyContactPlan> {
+    let Substeps { scheme, secs, divided } = substeps;
     if takes_impulses {
         let strained_parts = if divided { any_state::parts(model, scheme, secs) } else { 1 };
         return Some(BodyContactPlan { scheme, parts: 1, strained_parts, parts_a_solve: None });

@@ -104,22 +104,26 @@ impl<R: Real> System<'_, R> {
         }
         // Room for the largest island that there may be.
         let most = MOTIONS * model.bodies.len().min(MAX_BODIES);
-        rigid.matrix.reserve((most * most).saturating_sub(rigid.matrix.len()));
+        for equations in [&mut rigid.masses, &mut rigid.matrix] {
+            equations.reserve((most * most).saturating_sub(equations.len()));
+        }
         rigid.solution.reserve(most.saturating_sub(rigid.solution.len()));
+        let bodies = ranges.filter(|(number, _)| model.bodies[*number].pinned == Values::Uniform(false));
+        rigid.count = MOTIONS * bodies.clone().count();
+        rigid.masses.clear();
+        rigid.masses.resize(rigid.count * rigid.count, 0.0);
         rigid.place_of.clear();
         rigid.place_of.resize(model.bodies.len(), None);
         rigid.from_middle.resize(model.particle_count(), DVec3::ZERO);
-        let mut bodies = 0;
-        for (number, own) in ranges.filter(|(number, _)| model.bodies[*number].pinned == Values::Uniform(false)) {
-            rigid.place_of[number] = Some(bodies);
-            bodies += 1;
+        for (place, (number, own)) in bodies.enumerate() {
+            rigid.place_of[number] = Some(place);
             let middle = own.clone().fold(DVec3::ZERO, |sum, particle| sum + position[particle].to_dvec3());
             let middle = middle / own.len() as f64;
-            for particle in own {
+            for (local, particle) in own.enumerate() {
                 rigid.from_middle[particle] = position[particle].to_dvec3() - middle;
+                rigid.add_mass(place, particle, model.bodies[number].mass(local).to_f64());
             }
         }
-        rigid.count = MOTIONS * bodies;
     }
 
     /// Sets up and factorises the equations of the rigid motions for the constraints as they are.
@@ -127,19 +131,10 @@ impl<R: Real> System<'_, R> {
         if self.workspace.rigid.count == 0 {
             return;
         }
-        let (model, ranges) = (self.model, self.ranges());
+        let model = self.model;
         let Self { at_obstacles, points, weights, workspace, .. } = self;
         let rigid = &mut workspace.rigid;
-        rigid.matrix.clear();
-        rigid.matrix.resize(rigid.count * rigid.count, 0.0);
-        rigid.solution.resize(rigid.count, 0.0);
-        for (number, own) in ranges {
-            let Some(place) = rigid.place_of[number] else { continue };
-            for (local, particle) in own.enumerate() {
-                let mass = DMat3::from_diagonal(DVec3::splat(model.bodies[number].mass(local).to_f64()));
-                rigid.add(&[(place, rigid.rows(particle))], mass);
-            }
-        }
+        rigid.begin();
         for ParticleConstraint { body, particle, constraint, .. } in &**at_obstacles {
             if let Some(place) = rigid.place_of[*body] {
                 rigid.add(&[(place, rigid.rows(*particle))], *constraint.matrix());

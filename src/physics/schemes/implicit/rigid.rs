@@ -30,6 +30,8 @@ pub(super) struct RigidMotions {
     pub(super) from_middle: Vec<DVec3>,
     /// The motions of all these bodies together; none where they are left out.
     pub(super) count: usize,
+    /// The equations by rows without contacts.
+    pub(super) masses: Vec<f64>,
     /// The equations by rows, and then their lower factor.
     pub(super) matrix: Vec<f64>,
     /// The load, N·s and N·m·s, and then the solution, m/s and 1/s.
@@ -45,6 +47,24 @@ impl RigidMotions {
         let from = self.from_middle[particle];
         let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
         [x, y, z, x.cross(from), y.cross(from), z.cross(from)]
+    }
+
+    /// Adds the mass of a particle, kg, of the body in this place, to the equations without contacts.
+    pub(super) fn add_mass(&mut self, place: usize, particle: usize, mass: f64) {
+        let rows = self.rows(particle);
+        for (i, row) in rows.iter().enumerate() {
+            let to = &mut self.masses[(place * MOTIONS + i) * self.count + place * MOTIONS..][..MOTIONS];
+            for (to, column) in to.iter_mut().zip(&rows) {
+                *to += (*row * mass).dot(*column);
+            }
+        }
+    }
+
+    /// Begins the equations, without contacts.
+    pub(super) fn begin(&mut self) {
+        self.matrix.clear();
+        self.matrix.extend_from_slice(&self.masses);
+        self.solution.resize(self.count, 0.0);
     }
 
     /// Adds the resistance of what acts on a sum of velocities, given how this changes with the motions of some bodies.
