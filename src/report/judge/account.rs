@@ -56,8 +56,14 @@ pub(super) struct EnergyAccount {
 }
 
 impl EnergyAccount {
-    pub(super) fn open<R: Real>(simulation: &Simulation<R>, body: usize, start: Diagnostics) -> Self {
-        let own_at_start = own(&start);
+    /// Opens the account of a body with these diagnostics of the start, and those without contact: a body that is thrown at
+    /// something has lost energy to it before it gets there, see [`super::energy_to_keep`].
+    pub(super) fn open<R: Real>(
+        simulation: &Simulation<R>,
+        body: usize,
+        (start, without_contact): (Diagnostics, Diagnostics),
+    ) -> Self {
+        let own_at_start = own(&start).max(own(&without_contact) + start.energy.contact);
         let gravity = simulation.model().gravity.to_dvec3();
         let now = start.clone();
         Self {
@@ -227,7 +233,7 @@ impl EnergyAccount {
     /// - Bodies meet by points of their cells. A cell thrown back at a point near a corner may give that corner the energy
     ///   of all its eight corners: √8 times the speed.
     fn reach(&self, seconds: f64, given: Option<f64>) -> f64 {
-        let stored = (self.own_at_start - self.start.energy.kinetic).max(self.max_squeezed_energy)
+        let stored = (own(&self.start) - self.start.energy.kinetic).max(self.max_squeezed_energy)
             + self.sudden_work
             + given.unwrap_or(0.0)
             + self.rounding.energy(self.substeps);

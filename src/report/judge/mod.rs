@@ -151,9 +151,16 @@ fn energy_to_keep<R: Real>(simulation: &Simulation<R>) -> f64 {
     if simulation.state().sweeps.is_empty() {
         return with_contact.total();
     }
-    let mut without_contact = simulation.clone();
-    without_contact.plan_mut().contact = false;
-    with_contact.total().max(without_contact.diagnostics().energy.total() + with_contact.contact)
+    let without_contact = without_contact(simulation).diagnostics().energy;
+    with_contact.total().max(without_contact.total() + with_contact.contact)
+}
+
+/// The same state in a scene where nothing touches.
+fn without_contact<R: Real>(simulation: &Simulation<R>) -> Simulation<R> {
+    let mut apart = simulation.clone();
+    let plan = apart.plan_mut();
+    (plan.contact, plan.between_bodies, plan.on_mesh) = (false, None, None);
+    apart
 }
 
 /// A simulation that is watched, substep by substep.
@@ -199,8 +206,10 @@ impl MotionJudge {
             slowed: 0,
             largest_gain: 0.0,
         };
-        let (bodies, _) = simulation.diagnostics_of_each();
-        let accounts = (0..).zip(bodies).map(|(body, start)| EnergyAccount::open(simulation, body, start));
+        let [with_contact, without_contact] =
+            [simulation.diagnostics_of_each().0, without_contact(simulation).diagnostics_of_each().0];
+        let starts = (0..).zip(with_contact.into_iter().zip(without_contact));
+        let accounts = starts.map(|(body, starts)| EnergyAccount::open(simulation, body, starts));
         let contact_groups = ContactGroups::new(simulation.model().bodies.len());
         Self {
             patience,

@@ -58,6 +58,15 @@ fn a_body_that_falls_out_after_it_was_put_back_has_gained_nothing() {
 }
 
 #[test]
+fn a_body_that_begins_in_what_it_is_thrown_at_has_the_energy_that_it_came_with() {
+    // The velocity half a step later, in the mean, is half of what it was: a bowl of one cell's depth is parted from a ball.
+    let (scene, disturbances) = extreme_of(Edition::Fourth, 4_143_628_233, 811);
+    let lattices = lattices(&scene).expect("sound shapes");
+    let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, PATIENCE);
+    assert_eq!(verdict.fault, None, "{verdict:?}");
+}
+
+#[test]
 fn an_explosion_is_seen() {
     let mut scene = falling_cube();
     scene.settings.stepping = Stepping::Manual;

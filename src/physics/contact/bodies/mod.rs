@@ -149,6 +149,7 @@ fn record_contacts<R: Real>(substep: Substep<'_, R>, workspace: &mut BodiesWorks
     let (dt, mut deepest) = (substep.dt.to_f64(), 0.0_f64);
     for (contact, constraint) in contacts[*kept..].iter_mut().zip(constraints) {
         contact.force = constraint.impulse() / dt;
+        contact.max_work_j = constraint.max_work(movers, dt);
         let along = -(contact.gap + dt * constraint.relative_velocity(movers).dot(contact.normal));
         deepest = deepest.max(contact.nearer.map_or(along, |nearer| along.min(nearer)));
         let BodyContact { bodies, point, .. } = *contact;

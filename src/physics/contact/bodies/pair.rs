@@ -60,7 +60,7 @@ impl<R: Real> BodyPair<'_, R> {
         workspace.constraints.push(constraint);
         let (normal, nearer, force) = (penetration.normal, penetration.nearer, DVec3::ZERO);
         let bodies = [point_body, cell_body];
-        workspace.contacts.push(BodyContact { bodies, point, own, cell, normal, gap, nearer, force });
+        workspace.contacts.push(BodyContact { bodies, point, own, cell, normal, gap, nearer, force, max_work_j: 0.0 });
     }
 
     /// Gives a contact the shares of its point and, with negative weights, those of the cell that it is in. Returns them, and the

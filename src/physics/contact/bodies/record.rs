@@ -25,6 +25,8 @@ pub struct BodyContact {
     pub nearer: Option<f64>,
     /// Mean force on the point over the substep, normal and friction, N; the cell has the opposite.
     pub force: DVec3,
+    /// The most work that its spring and being parted can do in the substep, J.
+    pub max_work_j: f64,
 }
 
 /// Up to eight particles with weights that sum to one.

@@ -229,6 +229,7 @@ fn record<R: Real>(
             gap,
             surface_velocity,
             force,
+            max_work_j: constraint.max_work(movers, dt),
         });
         let depth = -(gap + dt * constraint.relative_velocity(movers).dot(normal));
         let largest_coordinates = carriers.iter().map(|carrier| state.position[*carrier]);

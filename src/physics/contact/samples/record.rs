@@ -26,6 +26,8 @@ pub struct SampleContact {
     pub surface_velocity: DVec3,
     /// Mean force on the point over the substep, normal and friction, N.
     pub force: DVec3,
+    /// The most work that its spring and being parted from the obstacle can do in the substep, J.
+    pub max_work_j: f64,
 }
 
 impl SampleContact {

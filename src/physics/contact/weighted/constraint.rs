@@ -292,6 +292,12 @@ impl PointConstraint {
         (self.normal_impulse * mean.dot(self.normal) + self.spring_energy_gain(movers, dt)).max(0.0)
     }
 
+    /// Returns the most work that the contact can do in a substep of `dt` (s), J: what its spring gives back, and what parting
+    /// takes.
+    pub(in crate::physics::contact) fn max_work(&self, movers: &Movers, dt: f64) -> f64 {
+        (-self.spring_energy_gain(movers, dt)).max(0.0) + self.max_parting_impulse * self.parting_speed
+    }
+
     /// Returns the energy that its spring gains in a substep of `dt` (s), J.
     fn spring_energy_gain(&self, movers: &Movers, dt: f64) -> f64 {
         self.law.energy(self.pressed_at_end(movers, dt)) - self.law.energy(self.spring.pressed)

@@ -11,8 +11,11 @@
 //! which is the change of a body's energy less all work done on it. For backward Euler, of which the integrator is the first
 //! iteration, it is never above zero if the energy is convex (Hairer, Lubich and Wanner, "Geometric Numerical Integration",
 //! 2006, VIII.6). The work of contact with obstacles is that of moving surfaces; the energy that its springs store counts as
-//! the body's. The work of contact of points, in other bodies or of a mesh at obstacles, is that of its impulses at v': its own
-//! springs are exact.
+//! the body's. The work of contact of points, in other bodies or of a mesh at obstacles, is that of its impulses at v', and what
+//! is more of it than its spring and parting can do is from nowhere: the rounds that look for what pushes may end before they
+//! have settled, with contacts that pull.
+
+use std::ops::Add;
 
 use glam::DVec3;
 
@@ -84,9 +87,9 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     let (kinetic, gained, work) = particle_energy(body, dt.to_f64(), state, force, [velocity, moving]);
     let kinetic_at_start = (kinetic - gained - work).max(0.0);
     let (stored, carried, at_obstacles) = contact_energy(body, own, dt, moving);
-    let (pushed, of_others) = between_bodies_work::<R>(number, between_bodies, dt.to_f64(), moving);
-    let (pushed_on_mesh, of_mesh) = mesh_work::<R>(number, on_mesh, dt.to_f64(), moving);
-    let total_contact_work = at_obstacles + of_others + of_mesh;
+    let between_bodies = between_bodies_work::<R>(number, between_bodies, dt.to_f64(), moving);
+    let of_points = between_bodies + mesh_work::<R>(number, on_mesh, dt.to_f64(), moving);
+    let total_contact_work = at_obstacles + of_points.total;
     let pulled = grab
         .filter(|grab| grab.body == number)
         .map_or(0.0, |grab| grab_work(grab, body, dt.to_f64(), state, [velocity, moving]));
@@ -95,8 +98,8 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     let from_nowhere = gained + link_energy_gain(substep, number, moving, exact, stops) + unfolded + stored
         - carried
         - pulled
-        - pushed
-        - pushed_on_mesh;
+        - of_points.sum
+        + of_points.from_nowhere;
     let bearable = ROUNDING * kinetic + UNSOLVED_WORK_SHARE * total_contact_work.min(kinetic_at_start);
     // A NaN counts as energy from nowhere.
     from_nowhere.is_nan()
@@ -171,28 +174,50 @@ fn contact_energy<R: Real>(
     })
 }
 
-/// Returns the work of contacts between bodies on a body, and the sum of the sizes of it, J.
-fn between_bodies_work<R: Real>(number: usize, contacts: &[BodyContact], dt: f64, velocity: &[R::Vec3]) -> (f64, f64) {
-    let of_velocity = |particles: &WeightedParticles| particles.mean(|particle| velocity[particle].to_dvec3());
-    contacts.iter().fold((0.0, 0.0), |(sum, total), contact| {
-        let [of_point, of_cell] = contact.bodies.map(|body| if body == number { 1.0 } else { 0.0 });
-        if of_point + of_cell == 0.0 {
-            return (sum, total);
+/// The work of contacts of points on a body, J.
+#[derive(Clone, Copy, Debug, Default)]
+struct PointWork {
+    sum: f64,
+    /// The sum of its sizes.
+    total: f64,
+    /// What is more than springs and parting can do.
+    from_nowhere: f64,
+}
+
+impl Add for PointWork {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            sum: self.sum + other.sum,
+            total: self.total + other.total,
+            from_nowhere: self.from_nowhere + other.from_nowhere,
         }
-        let speed = of_velocity(&contact.own) * of_point - of_velocity(&contact.cell) * of_cell;
-        let work = dt * contact.force.dot(speed);
-        (sum + work, total + work.abs())
+    }
+}
+
+/// Returns the work of contacts between bodies on a body.
+fn between_bodies_work<R: Real>(number: usize, contacts: &[BodyContact], dt: f64, velocity: &[R::Vec3]) -> PointWork {
+    let of_velocity = |particles: &WeightedParticles| particles.mean(|particle| velocity[particle].to_dvec3());
+    let own = contacts.iter().filter(|contact| contact.bodies.contains(&number));
+    own.fold(PointWork::default(), |sum, contact| {
+        let [of_point, of_cell] = contact.bodies.map(|body| if body == number { 1.0 } else { 0.0 });
+        let [point, cell] = [&contact.own, &contact.cell].map(of_velocity);
+        let work = dt * contact.force.dot(point * of_point - cell * of_cell);
+        let from_nowhere = (dt * contact.force.dot(point - cell) - contact.max_work_j).max(0.0);
+        sum + PointWork { sum: work, total: work.abs(), from_nowhere }
     })
 }
 
-/// Returns the work of contacts of a body's mesh with obstacles, and the sum of the sizes of it, J.
-fn mesh_work<R: Real>(number: usize, contacts: &[SampleContact], dt: f64, velocity: &[R::Vec3]) -> (f64, f64) {
+/// Returns the work of contacts of a body's mesh with obstacles.
+fn mesh_work<R: Real>(number: usize, contacts: &[SampleContact], dt: f64, velocity: &[R::Vec3]) -> PointWork {
     let own = contacts.iter().filter(|contact| contact.body == number);
-    own.fold((0.0, 0.0), |(sum, total), contact| {
+    own.fold(PointWork::default(), |sum, contact| {
         let carried = contact.carriers.iter().zip(contact.weights);
         let speed: DVec3 = carried.map(|(carrier, weight)| velocity[*carrier].to_dvec3() * weight).sum();
         let work = dt * contact.force.dot(speed);
-        (sum + work, total + work.abs())
+        let from_nowhere = (dt * contact.force.dot(speed - contact.surface_velocity) - contact.max_work_j).max(0.0);
+        sum + PointWork { sum: work, total: work.abs(), from_nowhere }
     })
 }
 
