@@ -84,7 +84,8 @@ fn are_laid_out_alike<R: Real>(a: &Model<R>, b: &Model<R>) -> bool {
 }
 
 /// Writes all forces but those of contact on the particles of awake bodies, N. With a kick it also writes the velocities
-/// that they predict, which is allowed only where [`the forces of links come last`](links_come_last).
+/// that they predict, which is allowed only where [`the forces of links come last`](links_come_last), and the forces themselves
+/// are written only if the kick keeps them.
 pub(super) fn evaluate<R: Real>(
     substep: Substep<'_, R>,
     at: Configuration<'_, R>,
@@ -191,7 +192,11 @@ impl<R: Real> LinkForces<'_, R> {
             let [position, velocity] = [at.position, at.velocity].map(|of| &of[body.particles.clone()]);
             let local = share.particles.start - body.particles.start..share.particles.end - body.particles.start;
             let start = match &body.masses {
-                Values::Uniform(mass) if share.piece.is_some() => InitialForce::Alike(model.gravity * *mass),
+                Values::Uniform(mass) if share.piece.is_some() => {
+                    let weight = model.gravity * *mass;
+                    let is_kept = kicked.as_ref().is_none_or(|kick| kick.keeps_forces);
+                    if is_kept { InitialForce::Alike(weight) } else { InitialForce::Passing(weight) }
+                }
                 _ => {
                     write_weights(model, body, local, own);
                     InitialForce::Each
@@ -232,7 +237,7 @@ struct Kicks<'a, R: Real> {
 impl<R: Real> Kicks<'_, R> {
     /// Kicks a stretch of the particles, counted from the first of the share, by these forces (N).
     fn kick(&mut self, stretch: Range<usize>, force: &[R::Vec3]) {
-        let Some(Kick { secs, velocity }) = &mut self.kick else { return };
+        let Some(Kick { secs, velocity, .. }) = &mut self.kick else { return };
         let Substep { model, plan, state, dt, .. } = self.substep;
         let body = &model.bodies[self.body];
         let all = stretch.start + self.particles.start..stretch.end + self.particles.start;
@@ -275,12 +280,14 @@ pub(in crate::physics) struct Kick<'a, R: Real> {
     pub(in crate::physics) secs: R,
     /// The predicted velocities, m/s; bodies that sleep keep those of the state.
     pub(in crate::physics) velocity: &'a mut [R::Vec3],
+    /// Whether the forces are wanted as well. Otherwise they may be overwritten as soon as they have acted.
+    pub(in crate::physics) keeps_forces: bool,
 }
 
 impl<R: Real> Kick<'_, R> {
     /// Splits off the kick of the first particles.
     fn split_off(&mut self, count: usize) -> Option<Self> {
         let velocity = self.velocity.split_off_mut(..count)?;
-        Some(Self { secs: self.secs, velocity })
+        Some(Self { velocity, ..*self })
     }
 }

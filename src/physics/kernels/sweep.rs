@@ -26,8 +26,17 @@ pub(in crate::physics) struct Pass {
 pub(in crate::physics) enum InitialForce<R: Real> {
     /// The same force for all.
     Alike(R::Vec3),
+    /// The same force for all, where nobody wants the sums but `done`: those of each panel are written to the first places,
+    /// which stay in the caches.
+    Passing(R::Vec3),
     /// The forces that are already written.
     Each,
+}
+
+impl<R: Real> InitialForce<R> {
+    fn is_passing(self) -> bool {
+        matches!(self, Self::Passing(_))
+    }
 }
 
 /// Adds the forces of all links to those on the particles of a piece, N. Returns how many of the links start in the piece;
@@ -119,19 +128,24 @@ pub(super) fn for_each_panel<R: Real>(
                         fill(R::Vec3::ZERO, panel.reached.start - first..panel.reached.end - first, boxed);
                     }
                     match start {
-                        InitialForce::Alike(start) => fill(*start, begun.start - first..begun.end - first, boxed),
+                        InitialForce::Alike(start) | InitialForce::Passing(start) => {
+                            fill(*start, begun.start - first..begun.end - first, boxed)
+                        }
                         InitialForce::Each => scatter(runs, origin, to, boxed),
                     }
                 }
                 let vectors = [slices(position), slices(velocity)];
                 work(Window { blocks: panel.blocks.clone(), first, own: own.start, vectors, sum: boxed });
-                if let Some((_, to)) = &mut to {
-                    gather(&panel.complete, origin, boxed, to);
+                if let Some((start, to)) = &mut to {
+                    let skipped = if start.is_passing() { panel.complete_range.start } else { 0 };
+                    gather(&panel.complete, [particles.start + skipped, first], boxed, to);
                 }
             },
         );
-        if let Some((_, to)) = &mut to {
-            done(panel.complete_range.clone(), &mut to[panel.complete_range.clone()]);
+        if let Some((start, to)) = &mut to {
+            let complete = panel.complete_range.clone();
+            let places = if start.is_passing() { 0..complete.len() } else { complete.clone() };
+            done(complete, &mut to[places]);
         }
     }
 }

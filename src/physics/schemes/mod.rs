@@ -155,6 +155,11 @@ pub(super) fn damping_velocity<'a, R: Real>(
     }
 }
 
+/// Whether what the next substep needs of an accepted one are its forces.
+pub(super) fn remembers_forces(plan: &Plan) -> bool {
+    plan.scheme == Scheme::Verlet
+}
+
 /// Remembers what the next substep of the plan's scheme needs of an accepted one: nothing of a part that another scheme
 /// took.
 pub(super) fn remember<R: Real>(

@@ -167,7 +167,8 @@ fn find_forces<R: Real>(
         && !schemes::moves_by_mean(by)
         && thesis_force.is_none()
         && forces::links_come_last(plan, &state.bodies);
-    let kick = is_predicted.then(|| Kick { secs: schemes::kick_secs(substep), velocity });
+    let keeps_forces = schemes::remembers_forces(plan);
+    let kick = is_predicted.then(|| Kick { secs: schemes::kick_secs(substep), velocity, keeps_forces });
     let at = Configuration {
         position: &state.position,
         velocity: schemes::damping_velocity(substep.scheme, state, scheme),

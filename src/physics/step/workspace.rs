@@ -10,10 +10,11 @@ use crate::physics::modes::ModalWorkspace;
 use crate::physics::schemes::{SchemeWorkspace, Stepper};
 use crate::physics::state::BodyMemory;
 
-/// The workspace of a substep: allocated once, meaningless between substeps except for the last substep's forces.
+/// The workspace of a substep: allocated once, meaningless between substeps.
 #[derive(Clone, Debug)]
 pub(in crate::physics) struct StepWorkspace<R: Real> {
-    /// Net force on every particle without implicit contact, N.
+    /// Net force on every particle without implicit contact, N; meaningless where it acted at once and nobody wants it
+    /// ([`Kick::keeps_forces`](crate::physics::forces::Kick)).
     pub(in crate::physics) force: Vec<R::Vec3>,
     /// The part of that force that is contact by the thesis's rule, N; none without that rule.
     pub(super) thesis_force: Option<Vec<R::Vec3>>,

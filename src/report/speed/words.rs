@@ -19,9 +19,10 @@ fn write_page(text: &mut String, figures: &SpeedFigures) -> std::fmt::Result {
     writeln!(
         text,
         "\nWhole steps of a cube that is free in space, n particles along an edge, beside the loop that everybody writes \
-         first (`naive`: particles and springs as structures in two lists). All take turns in one process: time of the \
-         processor for one thread, of the wall clock for several; medians of nine rounds, the ratio pair by pair, in \
-         brackets without the least and the most of them: where that is wide, the machine was busy. Peak is \
+         first (`naive`: particles and springs as structures in two lists). All take turns in one process, each turn with \
+         a step at its beginning that does not count: time of the processor for one thread, of the wall clock for \
+         several; medians of nine rounds, the ratio pair by pair, in brackets without the least and the most of them: \
+         where that is wide, the machine was busy. Peak is \
          {peak_gflops_fma:.0} GFLOP/s, one thread of multiplications with additions and nothing else, measured beside it; \
          a link counts as 32 operations.\n\n\
          | n | kernel | instructions | threads | ns a link | ns a particle | × naive | of the peak |\n\
