@@ -54,7 +54,7 @@ pub struct Effort {
 
 impl Effort {
     /// The effort of the published figures.
-    pub const FULL: Self = Self { sizes: &[10, 20, 40, 64, 100], min_links: 4_000_000, scene_secs: 6.0 };
+    pub const FULL: Self = Self { sizes: &[10, 20, 40, 64, 100], min_links: 20_000_000, scene_secs: 6.0 };
     /// An effort of some seconds.
     pub const QUICK: Self = Self { sizes: &[10, 20], min_links: 200_000, scene_secs: 0.3 };
 }
