@@ -36,4 +36,5 @@ mod stability;
 mod stiff_bodies;
 mod substeps;
 mod support;
+mod thin_obstacles;
 mod work;

@@ -117,6 +117,14 @@ fn coarse_ball(height: f64) -> Made {
     Made::of_text(&ball_obj(24), 6, jelly, [0.0, 0.5 + height, 0.0])
 }
 
+/// Returns the height of the lowest point of the mesh, m, of a ball of 1 m that was let down on an obstacle of 1 m.
+pub(crate) fn ball_on(obstacle: Obstacle, material: Material) -> f64 {
+    let made = Made::of_text(&ball_obj(24), 6, material, [0.0, 1.52, 0.0]).on(obstacle);
+    let mut simulation = made.simulate::<f64>();
+    run(&mut simulation, 1.0);
+    made.lowest(&simulation)
+}
+
 fn floor() -> Obstacle {
     plane([0.0; 3], [0.0; 3], [0.6, 0.5])
 }

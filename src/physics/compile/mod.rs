@@ -2,6 +2,7 @@
 //! links, frames obstacles, plans steps.
 
 mod assembly;
+mod edges;
 mod kinds;
 mod link_classes;
 mod modal;
@@ -39,6 +40,7 @@ use crate::scene::part_problem::part_problem;
 use crate::scene::resolve::{MeshError, ResolveError, load_meshes, resolve};
 use crate::scene::{Body, ContactOn, Material, Scene};
 use assembly::Assembled;
+use edges::CellSizes;
 use kinds::Kinds;
 use springs_by_cell::springs_by_cell;
 
@@ -133,9 +135,10 @@ pub(super) fn compile<R: Real>(
 ) -> (Model<R>, Plan) {
     assert_eq!(scene.bodies.len(), lattices.len(), "every body needs its lattice");
     let gravity = DVec3::from(scene.settings.gravity);
+    let cells = CellSizes::of(lattices.iter().map(|lattice| lattice.grid.cell_size));
     let mut model = Model {
         bodies: Vec::new(),
-        obstacles: obstacles::obstacles(&scene.obstacles),
+        obstacles: obstacles::obstacles(&scene.obstacles, cells),
         gravity: R::Vec3::from_dvec3(gravity),
         fall_limit: None,
     };

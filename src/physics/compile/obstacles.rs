@@ -1,11 +1,14 @@
 //! Obstacles of a scene → obstacles of a model, and how bodies meet them.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec3};
 
+use super::edges::{CellSizes, edges};
 use crate::math::{Aabb, Real, RigidMotion, Vector, rotation};
 use crate::physics::contact::{DEPTH_SHARE, STIFFNESS_OVER_MASS};
 use crate::physics::model::{
-    ContactModel, MeshModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel,
+    ContactModel, Edges, MeshModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel,
 };
 use crate::scene::obstacle::{Capsule, ContactStiffness, Cylinder, Mesh, Plane};
 use crate::scene::{self, Obstacle};
@@ -37,8 +40,8 @@ pub(super) fn contact<R: Real>(
     }
 }
 
-/// The obstacles of a scene.
-pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>> {
+/// The obstacles of a scene, among bodies with these cells if there are any.
+pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle], cells: Option<CellSizes>) -> Vec<ObstacleModel<R>> {
     let (mut sides, mut meshes) = (0, 0);
     obstacles
         .iter()
@@ -81,6 +84,7 @@ pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle]) -> Vec<ObstacleModel<R>
             let motion = obstacle.motion.map(|motion| motion.rigid());
             let bounds = motion.map_or(bounds, |motion| motion_bounds(&bounds, &motion));
             ObstacleModel {
+                edges: Arc::new(cells.map_or_else(Edges::default, |cells| edges(&shape, cells))),
                 shape,
                 motion,
                 carry: None,

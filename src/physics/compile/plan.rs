@@ -150,14 +150,18 @@ fn body_contact_plan<R: Real>(
     point_contact_plan(model, semi_implicit, substeps, takes_impulses)
 }
 
-/// The same for substeps in which points of a body's mesh come near an obstacle. Their contact is found on the particles'
-/// paths, so explicit schemes that move particles by another velocity than that at the end have no place for it either.
+/// The same for substeps in which points of a body's mesh come near an obstacle, or its cells near an obstacle's edges. Their
+/// contact is found on the particles' paths, so explicit schemes that move particles by another velocity than that at the end
+/// have no place for it either.
 fn mesh_contact_plan<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
     substeps: Substeps,
 ) -> Option<BodyContactPlan> {
-    model.bodies.iter().find(|body| body.samples.is_some())?;
+    let has_points = model.has_edges() || model.bodies.iter().any(|body| body.samples.is_some());
+    if !has_points {
+        return None;
+    }
     let takes_impulses = matches!(substeps.scheme, Scheme::SemiImplicit | Scheme::Verlet);
     point_contact_plan(model, semi_implicit, substeps, takes_impulses)
 }

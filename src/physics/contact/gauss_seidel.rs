@@ -120,6 +120,7 @@ mod tests {
             bounds: Aabb::empty(),
             motion: None,
             carry: None,
+            edges: std::sync::Arc::default(),
             friction_static: friction,
             friction_dynamic: friction,
         }

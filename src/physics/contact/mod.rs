@@ -15,12 +15,13 @@
 //! schemes     constraint, solved: contact within the equations of the implicit scheme, of points by weighted::equations;
 //!             held: through the stages of the stabilised scheme; thesis: the thesis's own rule
 //! obstacles   placed, moving, sweep: where obstacles are on their way; arrive, approach, way_out: those put into a body
-//! points      weighted: contacts of points that several particles carry; samples: points of a mesh that meet obstacles;
-//!             bodies: bodies that meet each other and themselves
+//! points      weighted: contacts of points that several particles carry; samples: points of a mesh that meet obstacles,
+//!             and edges of obstacles that meet cells; bodies: bodies that meet each other and themselves
 //! results     record, sides, workspace
 //! ```
 //!
-//! A body that is a model may meet obstacles with points of its mesh in place of its particles: see [`samples`].
+//! A body that is a model may meet obstacles with points of its mesh in place of its particles, and every body meets with its
+//! cells what would pass between these points: see [`samples`].
 //!
 //! Several obstacles at one particle are solved for together (`gauss_seidel`), and leave it a velocity that none of them
 //! forbids. Bodies meet each other before that: see [`bodies`]. The implicit scheme solves for all of these at once.

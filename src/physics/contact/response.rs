@@ -110,6 +110,7 @@ mod tests {
             bounds: Aabb::empty(),
             motion: None,
             carry: None,
+            edges: std::sync::Arc::default(),
             friction_static: friction[0],
             friction_dynamic: friction[1],
         };

@@ -167,6 +167,7 @@ mod tests {
             scheme: Scheme::Implicit,
             is_strained: false,
             bodies_are_near: false,
+            points_are_near: false,
             grab: None,
             modal_grab: None,
         };

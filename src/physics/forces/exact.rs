@@ -238,6 +238,7 @@ mod tests {
             scheme,
             is_strained: false,
             bodies_are_near: false,
+            points_are_near: false,
             grab: None,
             modal_grab: None,
         };

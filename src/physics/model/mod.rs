@@ -3,6 +3,7 @@
 
 mod cell_kind;
 mod composition;
+mod edge;
 mod hull;
 mod inertia;
 pub(in crate::physics) mod levels;
@@ -22,6 +23,7 @@ pub(in crate::physics) use skin::{MeshPenetration, Skin};
 
 pub(in crate::physics) use cell_kind::CellKind;
 pub(in crate::physics) use composition::{Composition, LatticeConstants};
+pub(in crate::physics) use edge::{Edge, Edges, FIRST_EDGE_POINT, Frame};
 pub(in crate::physics) use hull::{Hull, Surroundings};
 pub use inertia::Inertia;
 pub(in crate::physics) use link::LinkConstants;
@@ -80,7 +82,19 @@ impl<R: Real> Model<R> {
     /// The same of one body: every point may touch as many obstacles as meet in a corner.
     pub(in crate::physics) fn max_touches_of(&self, body: &BodyModel<R>) -> usize {
         const OBSTACLES_IN_CORNER: usize = 3;
-        body.remembered_point_count() * self.obstacles.len().min(OBSTACLES_IN_CORNER)
+        body.remembered_point_count() * self.obstacles.len().min(OBSTACLES_IN_CORNER) + self.edge_room()
+    }
+
+    /// Room for contacts of obstacles' edges with the cells of a body: no more than are on an edge across it and in its corners;
+    /// where more meet, lists grow.
+    pub(in crate::physics) fn edge_room(&self) -> usize {
+        const MOST_EDGE_POINTS: usize = 256;
+        self.obstacles.iter().map(|obstacle| obstacle.edges.point_count()).sum::<usize>().min(MOST_EDGE_POINTS)
+    }
+
+    /// Whether any obstacle has edges.
+    pub(in crate::physics) fn has_edges(&self) -> bool {
+        self.obstacles.iter().any(|obstacle| !obstacle.edges.is_empty())
     }
 
     /// Whether any obstacle moves by itself.

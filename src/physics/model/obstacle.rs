@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::Edges;
 use crate::geometry::Surface;
 use crate::math::{Aabb, Real, RigidMotion, Vector};
 
@@ -18,6 +19,8 @@ pub struct ObstacleModel<R: Real> {
     pub motion: Option<RigidMotion>,
     /// How it moves within the coming substep; none where it stands still.
     pub(in crate::physics) carry: Option<Carry<R>>,
+    /// The edges that bodies may meet between their particles.
+    pub(in crate::physics) edges: Arc<Edges>,
     /// Coulomb coefficient of rest.
     pub friction_static: R,
     /// Coulomb coefficient of motion.

@@ -132,8 +132,11 @@ impl<'a, R: Real> NextSubstep<'a, R> {
         let mut next = state.clone();
         // A sleeping body's contacts are found, too.
         next.bodies.iter_mut().for_each(BodyMemory::wake);
-        let is_velocity_synchronised = schemes::is_velocity_synchronised(plan, state);
-        let mut workspace;
+        let mut workspace = StepWorkspace::new(model, plan);
+        let coming = stepping::first_part(model, plan, &mut next, &mut workspace);
+        // Near contact another scheme may take the parts, whose velocities are half a step behind.
+        let is_velocity_synchronised =
+            schemes::is_velocity_synchronised(plan, state) && coming.scheme != Scheme::SemiImplicit;
         let (observed_plan, part) = if is_velocity_synchronised {
             // Only contacts are needed: any scheme finds them, so the cheapest is taken.
             let whole = stepping::whole_substep(plan);
@@ -144,9 +147,7 @@ impl<'a, R: Real> NextSubstep<'a, R> {
                 Part { secs: whole.secs * INSTANT_SHARE, scheme: Scheme::SemiImplicit, ..whole },
             )
         } else {
-            workspace = StepWorkspace::new(model, plan);
-            let part = stepping::first_part(model, plan, &mut next, &mut workspace);
-            (Cow::Borrowed(plan), part)
+            (Cow::Borrowed(plan), coming)
         };
         let obstacles = Placed::now(model, state);
         let inputs = Inputs { obstacles: &obstacles, grab: None, modal_grab: None };

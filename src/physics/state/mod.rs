@@ -19,8 +19,8 @@ use touch::SampleTouch;
 use super::model::Model;
 use crate::math::{Real, Vector};
 use crate::physics::limits::LinkLoad;
-use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
+use crate::physics::model::{FIRST_EDGE_POINT, Scheme};
 
 /// The [`State::work`] of a substep whose limit is reached.
 pub(super) const WORK_SPENT: u64 = u64::MAX;
@@ -271,8 +271,13 @@ impl<R: Real> State<R> {
     pub(super) fn fit_touches(&mut self, model: &Model<R>, plan: &Plan) {
         let is_there = |touch: &SampleTouch| {
             let Some(body) = model.bodies.get(touch.body) else { return false };
+            let Some(obstacle) = model.obstacles.get(touch.obstacle) else { return false };
             let is_remembered = plan.on_mesh.is_some() || body.inertia().is_some();
-            is_remembered && touch.sample < body.remembered_point_count() && touch.obstacle < model.obstacles.len()
+            let is_there = match touch.sample.checked_sub(FIRST_EDGE_POINT) {
+                Some(point) => body.modal.is_none() && point < obstacle.edges.point_count(),
+                None => touch.sample < body.remembered_point_count(),
+            };
+            is_remembered && is_there
         };
         self.touches.retain(is_there);
     }

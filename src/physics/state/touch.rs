@@ -6,7 +6,7 @@
 pub struct SampleTouch {
     /// The body.
     pub body: usize,
-    /// The point, by its number in the body.
+    /// The point, by its number in the body; from 2³⁰ on points on the edges of the obstacle.
     pub sample: usize,
     /// The obstacle.
     pub obstacle: usize,

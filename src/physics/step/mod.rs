@@ -110,8 +110,20 @@ fn take_part<R: Real>(
         recovery::check_cells(model, plan, state, due, part.secs, recorder);
     }
     let dt = R::from_f64(part.secs);
-    let Part { scheme, is_strained, bodies_are_near, .. } = part;
-    let substep = Substep { model, plan, state, obstacles, dt, scheme, is_strained, bodies_are_near, grab, modal_grab };
+    let Part { scheme, is_strained, bodies_are_near, points_are_near, .. } = part;
+    let substep = Substep {
+        model,
+        plan,
+        state,
+        obstacles,
+        dt,
+        scheme,
+        is_strained,
+        bodies_are_near,
+        points_are_near,
+        grab,
+        modal_grab,
+    };
     let prediction = find_forces(substep, workspace, recorder);
     let is_found = find_velocities(substep, part.on_energy_gain, prediction, workspace, recorder);
     let is_sound = is_found && is_sound(substep, prediction, workspace);

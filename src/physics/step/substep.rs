@@ -25,6 +25,8 @@ pub(in crate::physics) struct Substep<'a, R: Real> {
     pub(in crate::physics) is_strained: bool,
     /// Whether bodies come near each other in it.
     pub(in crate::physics) bodies_are_near: bool,
+    /// Whether points of a mesh come near an obstacle in it, or an obstacle's edges near a body.
+    pub(in crate::physics) points_are_near: bool,
     /// A hand that pulls at particles.
     pub(in crate::physics) grab: Option<&'a Grab<R>>,
     /// A hand that pulls at a modal body.
@@ -76,6 +78,8 @@ pub(in crate::physics) struct Part {
     pub(in crate::physics) is_strained: bool,
     /// Whether bodies come near each other in it.
     pub(in crate::physics) bodies_are_near: bool,
+    /// Whether points of a mesh come near an obstacle in it, or an obstacle's edges near a body.
+    pub(in crate::physics) points_are_near: bool,
     /// What to do where the implicit scheme would give energy from nowhere.
     pub(in crate::physics) on_energy_gain: OnEnergyGain,
     /// Whether the substep ends with it.

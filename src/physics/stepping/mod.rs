@@ -128,6 +128,7 @@ pub(in crate::physics) fn whole_substep(plan: &Plan) -> Part {
         scheme: plan.on_mesh.or(plan.between_bodies).map_or(plan.scheme, |contact_plan| contact_plan.scheme),
         is_strained: false,
         bodies_are_near: plan.between_bodies.is_some(),
+        points_are_near: plan.on_mesh.is_some(),
         on_energy_gain: OnEnergyGain::Take,
         is_last: true,
     }
@@ -141,8 +142,9 @@ pub(in crate::physics) fn first_part<R: Real>(
     workspace: &mut StepWorkspace<R>,
 ) -> Part {
     let obstacles = Placed::now(model, state);
-    let Division { parts, secs, scheme, bodies_are_near, .. } = Division::of(model, plan, state, &obstacles, workspace);
-    Part { secs, scheme, is_strained: parts > 1, bodies_are_near, ..whole_substep(plan) }
+    let Division { parts, secs, scheme, bodies_are_near, points_are_near, .. } =
+        Division::of(model, plan, state, &obstacles, workspace);
+    Part { secs, scheme, is_strained: parts > 1, bodies_are_near, points_are_near, ..whole_substep(plan) }
 }
 
 /// The division of a substep: into equal parts for strain and contact, or into the halves of the implicit scheme.
@@ -161,8 +163,8 @@ struct Division {
     scheme: Scheme,
     /// Whether bodies come near each other.
     bodies_are_near: bool,
-    /// Whether the mesh of a body comes near an obstacle.
-    on_mesh: bool,
+    /// Whether points of a mesh come near an obstacle, or an obstacle's edges near a body.
+    points_are_near: bool,
     /// Whether the smallest part was refused, so that the explicit scheme takes it.
     is_explicit: bool,
     /// Whether the whole substep was refused, as bodies would be torn apart in it.
@@ -180,13 +182,18 @@ impl Division {
     ) -> Self {
         let StepWorkspace { contact: ContactWorkspace { bodies: of_bodies, .. }, forces, .. } = workspace;
         let needs_speeds = plan.parts > 0 || plan.between_bodies.is_some() || plan.on_mesh.is_some();
-        of_bodies.relative_speeds.clear();
+        of_bodies.velocity_bounds.clear();
         let bodies = model.bodies.iter().filter(|_| needs_speeds);
-        of_bodies.relative_speeds.extend(bodies.map(|body| checks::max_relative_speed(body, plan, state)));
+        of_bodies.velocity_bounds.extend(bodies.map(|body| checks::velocity_bounds(body, plan, state)));
+        of_bodies.relative_speeds.clear();
+        of_bodies.relative_speeds.extend(of_bodies.velocity_bounds.iter().map(checks::max_relative_speed_in));
         let secs = plan.substep_secs();
         let by_travel = bodies::parts(model, plan, secs, state, of_bodies);
         let bodies_are_near = by_travel.is_some();
-        let on_mesh = plan.on_mesh.filter(|_| samples::comes_near(model, plan, obstacles, state, secs));
+        let velocity_bounds = &of_bodies.velocity_bounds;
+        let on_mesh =
+            plan.on_mesh.filter(|_| samples::comes_near((model, plan, obstacles), state, velocity_bounds, secs));
+        let points_are_near = on_mesh.is_some();
         // The scheme for contact of meshes with obstacles has a place for contact between bodies, too.
         let contact_plan = on_mesh.or(plan.between_bodies.filter(|_| bodies_are_near));
         let contact_parts = contact_plan.map(|contact_plan| contact_plan.parts.max(by_travel.unwrap_or(1)));
@@ -213,7 +220,7 @@ impl Division {
             secs_since_check: 0.0,
             scheme,
             bodies_are_near,
-            on_mesh: on_mesh.is_some(),
+            points_are_near,
             is_explicit: false,
             tears: false,
         }
@@ -245,6 +252,7 @@ impl Division {
             scheme: if self.is_explicit { Scheme::SemiImplicit } else { self.scheme },
             is_strained: self.parts > 1,
             bodies_are_near: self.bodies_are_near,
+            points_are_near: self.points_are_near,
             on_energy_gain,
             is_last: self.left == 1 && state.part + length == substep_length,
         })
@@ -264,7 +272,9 @@ impl Division {
         state: &mut State<R>,
         forces: &mut ForceWorkspace<R>,
     ) {
-        if !(self.bodies_are_near || self.on_mesh) || self.left == 0 || self.parts >= self.strain_policy.strained_parts
+        if !(self.bodies_are_near || self.points_are_near)
+            || self.left == 0
+            || self.parts >= self.strain_policy.strained_parts
         {
             return;
         }

@@ -8,20 +8,37 @@
 use glam::{DMat3, DVec3};
 
 use crate::math::{Real, Vector};
-use crate::physics::{ContactRecord, Simulation};
+use crate::physics::{ContactRecord, SampleContact, Simulation};
 
 /// Surfaces whose normals span less than this of a plane, or of space, are nearly parallel: the particle cannot leave.
 const MIN_SPAN: f64 = 1e-3;
 
-/// Returns the largest speed at which surfaces that pushed a particle of a body in the last substep made it leave, m/s.
+/// Returns the largest speed at which surfaces that pushed a particle of a body in the last substep, or a point of its mesh,
+/// made a particle leave, m/s.
 pub(super) fn pinched_speed<R: Real>(simulation: &Simulation<R>, body: usize) -> f64 {
     let particles = &simulation.model().bodies[body].particles;
     let of_particle = simulation.contacts().chunk_by(|one, next| one.particle == next.particle);
     let own = of_particle.filter(|those| those.len() > 1 && particles.contains(&those[0].particle));
-    own.fold(0.0, |most: f64, those| {
+    let of_particles = own.map(|those| {
         let pushing = those.iter().filter(|contact| contact.force.dot(contact.normal) > R::ZERO);
-        most.max(leaving_speed(&pushing.map(Surface::of).collect::<Vec<_>>()))
-    })
+        leaving_speed(&pushing.map(Surface::of).collect::<Vec<_>>())
+    });
+    let of_point =
+        simulation.sample_contacts().chunk_by(|one, next| (one.body, one.sample) == (next.body, next.sample));
+    let of_points = of_point.filter(|those| those[0].body == body).map(|those| {
+        let pushing = those.iter().filter(|contact| contact.force.dot(contact.normal) > 0.0);
+        let surfaces: Vec<Surface> = pushing.map(Surface::of_point).collect();
+        let alone = surfaces.iter().fold(0.0, |most: f64, surface| most.max(surface.speed));
+        alone.max(leaving_speed(&surfaces)) * throw_ratio(&those[0].weights)
+    });
+    of_particles.chain(of_points).fold(0.0, f64::max)
+}
+
+/// How many times as fast as a point of a cell its fastest corner moves, if the corners are alike and nothing but what pushes
+/// the point moves them.
+fn throw_ratio(weights: &[f64; 8]) -> f64 {
+    let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
+    weights.iter().fold(0.0, |most: f64, weight| most.max(weight.abs())) / squares
 }
 
 /// A surface that pushes a particle.
@@ -36,6 +53,10 @@ impl Surface {
     fn of<R: Real>(contact: &ContactRecord<R>) -> Self {
         let normal = contact.normal.to_dvec3();
         Self { normal, speed: contact.surface_velocity.to_dvec3().dot(normal) }
+    }
+
+    fn of_point(contact: &SampleContact) -> Self {
+        Self { normal: contact.normal, speed: contact.surface_velocity.dot(contact.normal) }
     }
 }
 

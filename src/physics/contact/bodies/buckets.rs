@@ -11,27 +11,27 @@ pub(super) const NO_CELL: u32 = u32::MAX;
 
 /// A point of one body that may be inside another, and the cell of that body that holds it best so far.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CandidatePoint {
+pub(in crate::physics::contact) struct CandidatePoint {
     /// The point, by its number on the outside of its body.
-    pub(super) point: u32,
+    pub(in crate::physics::contact) point: u32,
     /// Where it would be at the end of the substep, m.
-    pub(super) position: DVec3,
+    pub(in crate::physics::contact) position: DVec3,
     /// The cell; [`NO_CELL`] where there is none yet.
-    pub(super) cell: u32,
+    pub(in crate::physics::contact) cell: u32,
     /// The point's place in it.
-    pub(super) cell_coordinates: DVec3,
+    pub(in crate::physics::contact) cell_coordinates: DVec3,
     /// How far outside the cell that place is, in cells.
-    pub(super) distance_outside: f64,
+    pub(in crate::physics::contact) distance_outside: f64,
 }
 
 impl CandidatePoint {
     /// A point that is in no cell yet.
-    pub(super) const fn new(point: u32, position: DVec3) -> Self {
+    pub(in crate::physics::contact) const fn new(point: u32, position: DVec3) -> Self {
         Self { point, position, cell: NO_CELL, cell_coordinates: DVec3::ZERO, distance_outside: f64::INFINITY }
     }
 
     /// Whether the point is in a cell.
-    pub(super) fn is_inside(&self) -> bool {
+    pub(in crate::physics::contact) fn is_inside(&self) -> bool {
         self.cell != NO_CELL
     }
 }

@@ -22,17 +22,17 @@ const MIN_VOLUME_SHARE: f64 = 1e-3;
 
 /// The corners of a cell: bit 0 of the index is x, bit 1 y, bit 2 z.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cell(pub(super) [DVec3; 8]);
+pub(in crate::physics::contact) struct Cell(pub(in crate::physics::contact) [DVec3; 8]);
 
 impl Cell {
     /// The weights of the corners at a place; beyond the cell some are negative.
-    pub(super) fn weights(at: DVec3) -> [f64; 8] {
+    pub(in crate::physics::contact) fn weights(at: DVec3) -> [f64; 8] {
         let [x, y, z] = [0, 1, 2].map(|axis| [1.0 - at[axis], at[axis]]);
         std::array::from_fn(|place| x[place & 1] * y[place >> 1 & 1] * z[place >> 2])
     }
 
     /// The point at a place, m.
-    pub(super) fn point(&self, at: DVec3) -> DVec3 {
+    pub(in crate::physics::contact) fn point(&self, at: DVec3) -> DVec3 {
         self.0.iter().zip(Self::weights(at)).fold(DVec3::ZERO, |sum, (corner, weight)| sum + *corner * weight)
     }
 
@@ -54,7 +54,7 @@ impl Cell {
 
     /// Finds the place of a point, starting at the place `from`; none where the cell is crushed on the way or the point is far
     /// from it. `cell_size` is that at rest, m.
-    pub(super) fn locate(&self, point: DVec3, from: DVec3, cell_size: f64) -> Option<DVec3> {
+    pub(in crate::physics::contact) fn locate(&self, point: DVec3, from: DVec3, cell_size: f64) -> Option<DVec3> {
         let least = MIN_VOLUME_SHARE * cell_size * cell_size * cell_size;
         let mut at = from;
         for _ in 0..MAX_ROUNDS {

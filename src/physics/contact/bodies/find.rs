@@ -122,19 +122,7 @@ fn penetrations<R: Real>(
         let outward = || {
             surface_points.outward(points, candidate.point, candidate.position, &positions[points.particles.clone()])
         };
-        let (normal, depth, nearer) = if let Some(skin) = skin {
-            let (normal, depth) = through_skin(skin, cells, candidate, &cell, away.ok_or_else(outward))?;
-            (normal, depth, None)
-        } else {
-            let sides =
-                sides(&cell, candidate.cell_coordinates, &cells.hull().cells_to_outside[candidate.cell as usize]);
-            let (normal, depth) = match away {
-                Some(away) => side_along(sides, away),
-                None => nearest_side(sides, outward())?,
-            };
-            let nearer = sides.map(|(_, depth)| depth).into_iter().filter(|other| *other < depth).reduce(f64::min);
-            (normal, depth, nearer)
-        };
+        let WayOut { normal, depth, nearer } = way_out(skin, cells, candidate, &cell, away.ok_or_else(outward))?;
         Some(Penetration {
             point: candidate.point,
             carriers,
@@ -144,6 +132,39 @@ fn penetrations<R: Real>(
             nearer,
         })
     })
+}
+
+/// How a point leaves a body.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics::contact) struct WayOut {
+    /// Unit normal out of the body.
+    pub(in crate::physics::contact) normal: DVec3,
+    /// How deep the point is inside along the normal, m.
+    pub(in crate::physics::contact) depth: f64,
+    /// How far it is to a nearer side, m, by which it does not leave.
+    nearer: Option<f64>,
+}
+
+/// Returns how a point in a `cell` of a body leaves it: by the given way (`Ok`), or by the nearest that leads against the
+/// point's outward direction (`Err`). None where there is no such way, or where the point is outside the body's `skin`.
+pub(in crate::physics::contact) fn way_out<R: Real>(
+    skin: Option<&Skin>,
+    body: &BodyModel<R>,
+    candidate: &CandidatePoint,
+    cell: &Cell,
+    away: Result<DVec3, DVec3>,
+) -> Option<WayOut> {
+    if let Some(skin) = skin {
+        let (normal, depth) = through_skin(skin, body, candidate, cell, away)?;
+        return Some(WayOut { normal, depth, nearer: None });
+    }
+    let sides = sides(cell, candidate.cell_coordinates, &body.hull().cells_to_outside[candidate.cell as usize]);
+    let (normal, depth) = match away {
+        Ok(away) => side_along(sides, away),
+        Err(outward) => nearest_side(sides, outward)?,
+    };
+    let nearer = sides.map(|(_, depth)| depth).into_iter().filter(|other| *other < depth).reduce(f64::min);
+    Some(WayOut { normal, depth, nearer })
 }
 
 /// Returns the normal of a body's mesh where a point in one of its cells may leave, and how deep the point is inside along that
@@ -178,11 +199,11 @@ fn through_skin<R: Real>(
 }
 
 /// A cell that points may be in.
-struct CandidateCell {
+pub(in crate::physics::contact) struct CandidateCell {
     number: u32,
     cell: Cell,
     /// The box around it, m.
-    bounds: Aabb<f64>,
+    pub(in crate::physics::contact) bounds: Aabb<f64>,
     /// The slabs around it, once a point is in the box.
     slabs: Option<Slabs>,
     /// Its size at rest, m.
@@ -191,14 +212,19 @@ struct CandidateCell {
 
 impl CandidateCell {
     /// A cell of a body whose particles are at `own`, m.
-    fn new<R: Real>(body: &BodyModel<R>, number: u32, own: &[DVec3], size: f64) -> Self {
+    pub(in crate::physics::contact) fn new<R: Real>(
+        body: &BodyModel<R>,
+        number: u32,
+        own: &[DVec3],
+        size: f64,
+    ) -> Self {
         let bounds = cell_bounds(body, number, own).grown(INSIDE_TOLERANCE * size);
         let cell = Cell(body.lattice.cells[number as usize].map(|corner| own[corner as usize]));
         Self { number, cell, bounds, slabs: None, size }
     }
 
     /// Tests whether a point is in the cell, and less far outside it than of any before. Returns whether it could be.
-    fn test(&mut self, candidate: &mut CandidatePoint) -> bool {
+    pub(in crate::physics::contact) fn test(&mut self, candidate: &mut CandidatePoint) -> bool {
         if candidate.distance_outside == 0.0 || !self.bounds.holds(candidate.position) {
             return false;
         }

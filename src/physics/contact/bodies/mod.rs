@@ -45,6 +45,9 @@ mod record;
 mod surface_points;
 mod workspace;
 
+pub(in crate::physics::contact) use buckets::CandidatePoint;
+pub(in crate::physics::contact) use cell::Cell;
+pub(in crate::physics::contact) use find::{CandidateCell, WayOut, way_out};
 pub(in crate::physics) use law::pair_law;
 pub(in crate::physics) use near::parts;
 pub(in crate::physics) use points::BYTES_A_POINT;

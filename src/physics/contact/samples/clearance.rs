@@ -139,6 +139,7 @@ mod tests {
             scheme: Scheme::SemiImplicit,
             is_strained: false,
             bodies_are_near: false,
+            points_are_near: false,
             grab: None,
             modal_grab: None,
         };

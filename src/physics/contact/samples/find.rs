@@ -24,14 +24,11 @@ pub(super) fn find_contacts<R: Real>(
 ) -> bool {
     let Substep { model, state, plan, dt, .. } = substep;
     let own = model.bodies[number].particles.clone();
+    let start = own.start;
     let (position, velocity) = (&state.position[own.clone()], &velocity[own]);
     let mut touches = near::touches_of(state, number);
     find_near_obstacles(substep, number, position, velocity, workspace);
     let before = workspace.found_contacts.len();
-    workspace.found_pairs.clear();
-    let known = workspace.found_contacts.iter().filter(|found| found.body == number);
-    workspace.found_pairs.extend(known.map(|found| (found.sample, found.obstacle)));
-    workspace.found_pairs.sort_unstable();
     if workspace.near_obstacles.is_empty() && touches.is_empty() {
         return false;
     }
@@ -87,8 +84,17 @@ pub(super) fn find_contacts<R: Real>(
                 let Some((surface, surface_velocity)) = swept.meet(met, dt, caches) else { continue };
                 let (normal, gap) = (surface.normal.to_dvec3(), surface.gap.to_f64());
                 let surface_velocity = surface_velocity.to_dvec3();
-                let found = FoundContact { body: number, sample, obstacle, normal, gap, surface_velocity };
-                workspace.found_contacts.push(found);
+                let carriers = cell.carriers.map(|carrier| start + carrier as usize);
+                workspace.found_contacts.push(FoundContact {
+                    body: number,
+                    sample,
+                    obstacle,
+                    carriers,
+                    weights: samples.weights[sample],
+                    normal,
+                    gap,
+                    surface_velocity,
+                });
             }
         }
     }

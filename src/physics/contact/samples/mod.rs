@@ -1,5 +1,5 @@
-//! Contact on the original mesh of a model (C8): points of the mesh meet obstacles in place of the body's particles, so that it
-//! stands on its feet and not on its cells.
+//! Contact of points that eight particles carry with obstacles. On the original mesh of a model (C8) points of the mesh meet
+//! obstacles in place of the body's particles, so that it stands on its feet and not on its cells.
 //!
 //! ```text
 //!      ┌────┬────┐          near       which cells come near an obstacle in the substep, with boxes that are never too small
@@ -11,6 +11,10 @@
 //!                           record     contacts, to be drawn and counted; touches go into the state
 //! ```
 //!
+//! Obstacles that are narrower than a cell, and the edges of others, could pass between all these points. So points of theirs
+//! meet the cells of bodies, whatever these meet obstacles with ([`edges`]): the place of a cell where such a point is becomes
+//! a contact like the others.
+//!
 //! Most cells are far from all obstacles; how far is measured now and then, so that they need not be tested in every substep
 //! (`clearance`).
 //!
@@ -21,6 +25,7 @@
 //! and the energy of springs is in the state: so no energy comes from nowhere at any stiffness, see [`super::weighted`].
 
 mod clearance;
+mod edges;
 mod find;
 mod near;
 mod record;
@@ -41,8 +46,8 @@ use super::weighted::{
 };
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
-use crate::physics::model::{ObstacleShape, Samples};
-use crate::physics::report::Recorder;
+use crate::physics::model::{BodyModel, FIRST_EDGE_POINT, ObstacleShape};
+use crate::physics::report::{Counters, Recorder};
 use crate::physics::state::touch::SampleTouch;
 use crate::physics::step::substep::Substep;
 
@@ -59,16 +64,18 @@ pub(in crate::physics) fn meet<R: Real>(
 ) {
     workspace.keep_sleeping_contacts(substep.state);
     for (number, body) in substep.model.bodies.iter().enumerate() {
-        let Some(samples) = body.samples.as_ref().filter(|_| !substep.state.bodies[number].asleep) else { continue };
+        if !meets_by_points(substep, number, body) {
+            continue;
+        }
         workspace.forget_found();
         for round in 0..=MAX_SEARCH_REPEATS {
             recorder.enter(Stage::BroadPhase);
             let known = workspace.found_contacts.len();
-            if !find::find_contacts(substep, number, samples, velocity, workspace, &mut recorder.counters) {
+            if !find_contacts(substep, number, velocity, workspace, &mut recorder.counters) {
                 break;
             }
             recorder.enter(Stage::Contact);
-            constrain(substep, number, samples, known, velocity, workspace);
+            constrain(substep, number, known, velocity, workspace);
             if round < MAX_SEARCH_REPEATS {
                 solve(substep, velocity, workspace);
             }
@@ -93,15 +100,17 @@ pub(in crate::physics) fn find_constraints<R: Real>(
         workspace.first_equation = equations.all.len();
     }
     for (number, body) in model.bodies.iter().enumerate() {
-        let Some(samples) = body.samples.as_ref().filter(|_| !state.bodies[number].asleep) else { continue };
+        if !meets_by_points(substep, number, body) {
+            continue;
+        }
         recorder.enter(Stage::BroadPhase);
         let known = workspace.found_contacts.len();
-        if !find::find_contacts(substep, number, samples, velocity, workspace, &mut recorder.counters) {
+        if !find_contacts(substep, number, velocity, workspace, &mut recorder.counters) {
             continue;
         }
         recorder.enter(Stage::Contact);
         let first = workspace.constraints.len();
-        constrain(substep, number, samples, known, velocity, workspace);
+        constrain(substep, number, known, velocity, workspace);
         for constraint in &workspace.constraints[first..] {
             equations.add(constraint, Touching::MeshAtObstacle(number), &workspace.movers, (model, state));
         }
@@ -123,11 +132,34 @@ pub(in crate::physics) fn finish_constraints<R: Real>(
     workspace.sort();
 }
 
+/// Whether a body may meet obstacles otherwise than by its particles.
+fn meets_by_points<R: Real>(substep: Substep<'_, R>, number: usize, body: &BodyModel<R>) -> bool {
+    !substep.state.bodies[number].asleep && (body.samples.is_some() || substep.points_are_near && body.modal.is_none())
+}
+
+/// Adds the contacts that a body has with these velocities (m/s) and that were not found before: of points of its mesh, and of
+/// obstacles' edges with its cells. Returns whether there are any.
+fn find_contacts<R: Real>(
+    substep: Substep<'_, R>,
+    number: usize,
+    velocity: &[R::Vec3],
+    workspace: &mut SamplesWorkspace<R>,
+    counters: &mut Counters,
+) -> bool {
+    workspace.found_pairs.clear();
+    let known = workspace.found_contacts.iter().filter(|found| found.body == number);
+    workspace.found_pairs.extend(known.map(|found| (found.sample, found.obstacle)));
+    workspace.found_pairs.sort_unstable();
+    let samples = substep.model.bodies[number].samples.as_ref();
+    let by_mesh =
+        samples.is_some_and(|samples| find::find_contacts(substep, number, samples, velocity, workspace, counters));
+    edges::find_contacts(substep, number, velocity, workspace, counters) || by_mesh
+}
+
 /// Makes constraints of the contacts that were found from place `first` on.
 fn constrain<R: Real>(
     substep: Substep<'_, R>,
     number: usize,
-    samples: &Samples,
     first: usize,
     velocity: &[R::Vec3],
     workspace: &mut SamplesWorkspace<R>,
@@ -139,12 +171,9 @@ fn constrain<R: Real>(
     let mut kept = first;
     for place in first..workspace.found_contacts.len() {
         let found = workspace.found_contacts[place];
-        let FoundContact { sample, obstacle, normal, gap, surface_velocity, .. } = found;
-        let (carriers, weights) = samples.point(sample);
-        let start = body.particles.start;
-        let places =
-            carriers.map(|carrier| workspace.movers.place(substep, number, start + carrier as usize, velocity));
-        let shares = workspace.movers.weigh(places.into_iter().zip(*weights), ModalShares::default());
+        let FoundContact { sample, obstacle, carriers, weights, normal, gap, surface_velocity, .. } = found;
+        let places = carriers.map(|carrier| workspace.movers.place(substep, number, carrier, velocity));
+        let shares = workspace.movers.weigh(places.into_iter().zip(weights), ModalShares::default());
         let known = memory.binary_search_by_key(&(number, sample, obstacle), SampleTouch::place);
         let depth = -gap;
         let pressed = depth.min(known.map_or(0.0, |place| memory[place].depth_m));
@@ -209,11 +238,7 @@ fn record<R: Real>(
     let has_friction = |obstacle: usize| response::has_friction(&model.obstacles[obstacle]);
     let counters = &mut recorder.counters;
     for (found, constraint) in found_contacts.iter().zip(constraints) {
-        let &FoundContact { body: number, sample, obstacle, normal, gap, surface_velocity } = found;
-        let Some(samples) = &model.bodies[number].samples else { continue };
-        let start = model.bodies[number].particles.start;
-        let (carriers, weights) = samples.point(sample);
-        let carriers = carriers.map(|carrier| start + carrier as usize);
+        let &FoundContact { body: number, sample, obstacle, carriers, weights, normal, gap, surface_velocity } = found;
         let force = constraint.impulse() / dt;
         counters.frictions += u64::from(force != DVec3::ZERO && has_friction(obstacle));
         counters.obstacle_work_j += force.dot(surface_velocity) * dt;
@@ -224,7 +249,7 @@ fn record<R: Real>(
             sample,
             obstacle,
             carriers,
-            weights: *weights,
+            weights,
             normal,
             gap,
             surface_velocity,
@@ -235,12 +260,13 @@ fn record<R: Real>(
         let largest_coordinates = carriers.iter().map(|carrier| state.position[*carrier]);
         let largest_coordinates = largest_coordinates.fold(R::Vec3::ZERO, |largest, at| largest.max(at).max(-at));
         let (margin, side) = match &substep.obstacles.for_body(number, obstacle).shape {
+            _ if sample >= FIRST_EDGE_POINT => (0.0, 0),
             ObstacleShape::Plane(plane) => {
                 let is_upper = normal.dot(plane.normal.to_dvec3()) > 0.0;
                 (narrow::plane::rounding_margin(plane, largest_coordinates).to_f64(), if is_upper { 1 } else { -1 })
             }
             ObstacleShape::Mesh(mesh) if mesh.side_row.is_some() => {
-                let at = carriers.iter().zip(weights).map(|(at, weight)| state.position[*at].to_dvec3() * *weight);
+                let at = carriers.iter().zip(weights).map(|(at, weight)| state.position[*at].to_dvec3() * weight);
                 let at = R::Vec3::from_dvec3(at.sum());
                 let is_upper = narrow::mesh::is_upper(mesh, at, R::Vec3::from_dvec3(normal));
                 (narrow::mesh::rounding_margin(mesh, largest_coordinates).to_f64(), if is_upper { 1 } else { -1 })

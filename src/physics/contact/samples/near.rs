@@ -3,6 +3,7 @@
 //! Boxes are around motions and never too small, so the points that they leave out meet nothing: the outcome is bit for bit
 //! that of testing everything.
 
+use super::edges;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::placed::Placed;
 use crate::physics::kernels::bounds;
@@ -17,22 +18,29 @@ const MARGIN: f64 = 0.5;
 /// How much rounding error may take off a box, as a share of its size and of its distance from the origin.
 const ROUNDING_SHARE: f64 = 1e-5;
 
-/// Whether any body that meets obstacles with its mesh comes near one in the next `secs`, or touches one.
+/// Whether any body that meets obstacles with its mesh comes near one in the next `secs`, or touches one, or any body comes near
+/// an edge of an obstacle. `velocity_bounds` are the boxes around the velocities of each body, m/s.
 pub(in crate::physics) fn comes_near<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    obstacles: &Placed<R>,
+    (model, plan, obstacles): (&Model<R>, &Plan, &Placed<R>),
     state: &State<R>,
+    velocity_bounds: &[Aabb<R>],
     secs: f64,
 ) -> bool {
     if state.touches.iter().any(|touch| !state.bodies[touch.body].asleep) {
         return true;
     }
+    let has_edges = model.has_edges();
     model.bodies.iter().enumerate().any(|(number, body)| {
-        let Some(samples) = body.samples.as_ref().filter(|_| !state.bodies[number].asleep) else { return false };
+        if state.bodies[number].asleep || body.samples.is_none() && !has_edges {
+            return false;
+        }
         let own = body.particles.clone();
-        let [at, fast] = [&state.position, &state.velocity].map(|of| bounds::<R>(plan.simd, &of[own.clone()]));
+        let (at, fast) = (bounds::<R>(plan.simd, &state.position[own.clone()]), velocity_bounds[number]);
         let secs = R::from_f64(secs);
+        if has_edges && edges::comes_near(model, obstacles, number, [at, fast], secs) {
+            return true;
+        }
+        let Some(samples) = &body.samples else { return false };
         let ahead = Aabb { min: at.min + fast.min * secs, max: at.max + fast.max * secs };
         let margin = R::from_f64(MARGIN * body.lattice.grid.cell_size);
         let all = bounds_of_all(at.joined(ahead), samples).grown(margin);

@@ -5,12 +5,12 @@ use glam::DVec3;
 use crate::math::{Real, Vector};
 use crate::physics::state::State;
 
-/// A point of a body's mesh that met an obstacle in the last substep.
+/// A point of a body's mesh that met an obstacle in the last substep, or a place in its cells that met an obstacle's edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleContact {
     /// The body.
     pub body: usize,
-    /// The point, by its number in the body.
+    /// The point, by its number in the body; a point on an edge of the obstacle has one that no body's points have.
     pub sample: usize,
     /// The obstacle.
     pub obstacle: usize,

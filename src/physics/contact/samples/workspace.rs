@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::clearance::Clearances;
+use super::edges::EdgesWorkspace;
 use super::record::SampleContact;
 use crate::math::Real;
 use crate::physics::contact::narrow::mesh::NearestPointCache;
@@ -20,9 +21,13 @@ const CONTACT_PARTICLES: usize = 8;
 pub(super) struct FoundContact {
     /// The body.
     pub(super) body: usize,
-    /// The point, by its number in the body.
+    /// The point, by its number in the body, or as in [`FIRST_EDGE_POINT`].
     pub(super) sample: usize,
     pub(super) obstacle: usize,
+    /// The particles that carry it, in the state's arrays, ...
+    pub(super) carriers: [usize; 8],
+    /// ... and their weights.
+    pub(super) weights: [f64; 8],
     /// Unit normal, away from the obstacle.
     pub(super) normal: DVec3,
     /// Distance from the surface along the normal when the substep begins, m; negative inside.
@@ -46,6 +51,7 @@ pub(in crate::physics) struct SamplesWorkspace<R: Real> {
     pub(super) found_contacts: Vec<FoundContact>,
     /// Those of the present body as pairs of point and obstacle, sorted.
     pub(super) found_pairs: Vec<(usize, usize)>,
+    pub(super) edges: EdgesWorkspace,
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
     /// Where their equations begin among those of the implicit integrator.
@@ -68,7 +74,7 @@ impl<R: Real> SamplesWorkspace<R> {
         let first_sample = counts.scan(0, |next, count| Some(std::mem::replace(next, *next + count))).collect();
         let largest = model.bodies.iter().map(BodyModel::sample_count).max().unwrap_or(0);
         let (pairs, most) = (model.max_touches(), model.obstacles.len());
-        let of_one = largest * most.min(3);
+        let of_one = largest * most.min(3) + model.edge_room();
         Self {
             first_sample,
             caches: vec![NearestPointCache::default(); model.sample_count() * model.mesh_count()],
@@ -76,6 +82,7 @@ impl<R: Real> SamplesWorkspace<R> {
             near_obstacles: Vec::with_capacity(most),
             found_contacts: Vec::with_capacity(of_one),
             found_pairs: Vec::with_capacity(of_one),
+            edges: EdgesWorkspace::new(model),
             movers: Movers::new(model.particle_count(), CONTACT_PARTICLES * of_one),
             constraints: Vec::with_capacity(of_one),
             first_equation: 0,

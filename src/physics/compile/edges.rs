@@ -1,0 +1,338 @@
+//! The edges of an obstacle that bodies may meet between their particles.
+//!
+//! Particles meet the faces of obstacles. An obstacle that is narrower than a cell, an edge or a corner may pass between them:
+//! a jelly would fall through a thin wall that stands between its rows of particles. So points along edges, and all over forms
+//! that are narrower than a cell, meet the cells of bodies ([`crate::physics::contact`], `samples`).
+//!
+//! ```text
+//! plane       its rim                             box, mesh    where faces meet at more than SHARP_ANGLE_DEG, corners; the
+//! ball, capsule, cylinder                                      rim of an open mesh
+//!             lines and points all over, if narrower than a cell
+//! ```
+
+use glam::DVec3;
+
+use crate::geometry::Surface;
+use crate::math::Real;
+use crate::physics::model::{Edge, Edges, MeshModel, ObstacleShape, OrientedForm};
+
+/// Points on an edge are this share of the smallest cell apart.
+const SPACING: f64 = 0.5;
+
+/// Most points of an edge: beyond that they are further apart.
+const MAX_POINTS_AN_EDGE: f64 = 1e6;
+
+/// Faces that meet at a smaller angle have no edge between them.
+const SHARP_ANGLE_DEG: f64 = 30.0;
+
+/// Corners above a face by less than this share of a mesh's length are on it.
+const ROUNDING_SHARE: f64 = 1e-9;
+
+/// Lines along a thin rod, and points around its ends.
+const LINES_AROUND: u32 = 6;
+
+/// The directions from the middle of a small ball to the points on it, of any length.
+const AROUND_BALL: [[i8; 3]; 14] = [
+    [1, 0, 0],
+    [-1, 0, 0],
+    [0, 1, 0],
+    [0, -1, 0],
+    [0, 0, 1],
+    [0, 0, -1],
+    [1, 1, 1],
+    [1, 1, -1],
+    [1, -1, 1],
+    [1, -1, -1],
+    [-1, 1, 1],
+    [-1, 1, -1],
+    [-1, -1, 1],
+    [-1, -1, -1],
+];
+
+/// The sizes of the cells of all bodies, m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellSizes {
+    pub(super) smallest: f64,
+    pub(super) largest: f64,
+}
+
+impl CellSizes {
+    /// Those of some bodies; none where there is no body.
+    pub(super) fn of(cells: impl Iterator<Item = f64>) -> Option<Self> {
+        cells.fold(None, |known, size| {
+            let Self { smallest, largest } = known.unwrap_or(Self { smallest: size, largest: size });
+            Some(Self { smallest: smallest.min(size), largest: largest.max(size) })
+        })
+    }
+}
+
+/// The edges of an obstacle among bodies of these cells.
+pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, cells: CellSizes) -> Edges {
+    let mut list = EdgeList { spacing: SPACING * cells.smallest, edges: Vec::new(), points: 0 };
+    let is_thin = |radius: f64| 2.0 * radius < cells.largest;
+    match shape {
+        ObstacleShape::Plane(plane) => list.add_rim(plane.half_extents.map(Real::to_f64)),
+        ObstacleShape::Sphere { radius, .. } => {
+            let radius = radius.to_f64();
+            if is_thin(radius) {
+                for direction in AROUND_BALL {
+                    let outward = DVec3::from(direction.map(f64::from)).normalize_or_zero();
+                    list.add_point(outward * radius, outward);
+                }
+            }
+        }
+        ObstacleShape::Oriented(model) => match model.form {
+            OrientedForm::Box { half_extents } => list.add_box(half_extents.map(Real::to_f64), cells.largest),
+            OrientedForm::Capsule { radius, half_height } => {
+                let [radius, half_height] = [radius, half_height].map(Real::to_f64);
+                if is_thin(radius) {
+                    list.add_rod(radius, half_height);
+                    for end in [DVec3::Y, DVec3::NEG_Y] {
+                        list.add_point(end * (half_height + radius), end);
+                    }
+                }
+            }
+            OrientedForm::Cylinder { radius, half_height } => {
+                let [radius, half_height] = [radius, half_height].map(Real::to_f64);
+                list.add_cylinder(radius, half_height, is_thin(radius));
+            }
+        },
+        ObstacleShape::Mesh(mesh) => list.add_mesh(mesh),
+    }
+    Edges::new(list.edges)
+}
+
+struct EdgeList {
+    /// Between points, m.
+    spacing: f64,
+    edges: Vec<Edge>,
+    points: usize,
+}
+
+impl EdgeList {
+    fn add(&mut self, ends: [DVec3; 2], outward: DVec3) {
+        let parts = ((ends[1] - ends[0]).length() / self.spacing).ceil().clamp(1.0, MAX_POINTS_AN_EDGE);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and a million")]
+        let count = parts as usize;
+        self.edges.push(Edge { ends, outward, first: self.points, count });
+        self.points += count;
+    }
+
+    fn add_point(&mut self, at: DVec3, outward: DVec3) {
+        self.add([at; 2], outward);
+    }
+
+    /// The four sides of a rectangle across y.
+    fn add_rim(&mut self, [x, z]: [f64; 2]) {
+        for (outward, along) in [(DVec3::X * x, DVec3::Z * z), (DVec3::Z * z, DVec3::X * x)]
+            .into_iter()
+            .flat_map(|(a, b)| [(a, b), (-a, b)])
+        {
+            self.add([outward - along, outward + along], outward.normalize_or_zero());
+        }
+    }
+
+    /// The twelve edges of a box and its corners. Where it is thinner than a cell of this size, edges lead out along its longer
+    /// sides alone.
+    fn add_box(&mut self, half: [f64; 3], cell: f64) {
+        let unit = [DVec3::X, DVec3::Y, DVec3::Z];
+        let is_thin = half.map(|half| 2.0 * half < cell);
+        let outward = |sides: &[(usize, f64)]| {
+            let all = || sides.iter().map(|&(axis, sign)| unit[axis] * sign).sum::<DVec3>();
+            let thick = sides.iter().filter(|(axis, _)| !is_thin[*axis]);
+            let of_thick: DVec3 = thick.map(|&(axis, sign)| unit[axis] * sign).sum();
+            of_thick.try_normalize().unwrap_or_else(|| all().normalize_or_zero())
+        };
+        for along in 0..3 {
+            let [a, b] = [(along + 1) % 3, (along + 2) % 3];
+            for (on_a, on_b) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
+                let middle = unit[a] * (half[a] * on_a) + unit[b] * (half[b] * on_b);
+                let way = unit[along] * half[along];
+                self.add([middle - way, middle + way], outward(&[(a, on_a), (b, on_b)]));
+            }
+        }
+        for corner in 0..8 {
+            let signs = [1, 2, 4].map(|bit| if corner & bit == 0 { -1.0 } else { 1.0 });
+            let at = DVec3::from([0, 1, 2].map(|axis| half[axis] * signs[axis]));
+            self.add_point(at, outward(&[(0, signs[0]), (1, signs[1]), (2, signs[2])]));
+        }
+    }
+
+    /// Directions across y around a rod or disc.
+    fn around(count: u32) -> impl Iterator<Item = DVec3> {
+        (0..count).map(move |number| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * f64::from(number) / f64::from(count));
+            DVec3::new(cos, 0.0, sin)
+        })
+    }
+
+    /// Lines along a thin rod about y.
+    fn add_rod(&mut self, radius: f64, half_height: f64) {
+        for outward in Self::around(LINES_AROUND) {
+            let [side, way] = [outward * radius, DVec3::Y * half_height];
+            self.add([side - way, side + way], outward);
+        }
+    }
+
+    /// The rims of a cylinder about y; if it is thin also lines along it, and the middles of its ends.
+    fn add_cylinder(&mut self, radius: f64, half_height: f64, is_thin: bool) {
+        for end in [DVec3::Y, DVec3::NEG_Y] {
+            let middle = end * half_height;
+            if is_thin {
+                self.add_point(middle, end);
+                for side in Self::around(LINES_AROUND) {
+                    self.add_point(middle + side * radius, end);
+                }
+                continue;
+            }
+            let parts = (std::f64::consts::TAU * radius / self.spacing).ceil().clamp(12.0, MAX_POINTS_AN_EDGE);
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 12 and a million")]
+            for side in Self::around(parts as u32) {
+                self.add_point(middle + side * radius, (side + end).normalize_or_zero());
+            }
+        }
+        if is_thin {
+            self.add_rod(radius, half_height);
+        }
+    }
+
+    /// Where faces of a mesh meet at an angle, and the rim of an open one.
+    fn add_mesh<R: Real>(&mut self, mesh: &MeshModel<R>) {
+        let surface: &Surface = &mesh.surface;
+        let flat = libm::cos(SHARP_ANGLE_DEG.to_radians());
+        let at = |vertex: u32| surface.positions()[vertex as usize] * mesh.length;
+        let normals = surface.normals();
+        for (number, (triangle, beside)) in (0_u32..).zip(surface.triangles().iter().zip(surface.neighbours())) {
+            let normal = normals[number as usize];
+            for side in 0..3 {
+                let ends = [at(triangle[side]), at(triangle[(side + 1) % 3])];
+                let apex = at(triangle[(side + 2) % 3]);
+                let Some(other) = normals.get(beside[side] as usize) else {
+                    let away = (ends[1] - ends[0]).cross(normal);
+                    let outward = if away.dot(apex - ends[0]) > 0.0 { -away } else { away };
+                    self.add(ends, outward.normalize_or_zero());
+                    continue;
+                };
+                let is_first = number < beside[side];
+                let is_sharp = normal.dot(*other) < flat;
+                if !(is_first && is_sharp) {
+                    continue;
+                }
+                // Where the other face falls away from this one, the edge points outwards; the edges of a notch are met by nobody.
+                let far = surface.triangles()[beside[side] as usize].map(at);
+                let is_convex = far.iter().all(|far| (*far - ends[0]).dot(normal) <= ROUNDING_SHARE * mesh.length);
+                if is_convex || !surface.is_closed() {
+                    let outward = (normal + *other).normalize_or_zero() * if is_convex { 1.0 } else { -1.0 };
+                    self.add(ends, outward);
+                    ends.into_iter().for_each(|end| self.add_point(end, outward));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::TriMesh;
+    use crate::physics::compile::obstacles::obstacles;
+    use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Plane, Sphere};
+    use crate::scene::{self, Obstacle};
+
+    const CELLS: CellSizes = CellSizes { smallest: 0.1, largest: 0.2 };
+
+    fn of(shape: scene::ObstacleShape) -> Vec<Edge> {
+        let made = obstacles::<f64>(&[Obstacle { shape, ..Obstacle::default() }], Some(CELLS));
+        made[0].edges.near(|_, _| true).copied().collect()
+    }
+
+    fn of_box(half_extents: [f64; 3]) -> Vec<Edge> {
+        of(scene::ObstacleShape::Box(Cuboid { half_extents, ..Cuboid::default() }))
+    }
+
+    #[test]
+    fn points_are_at_most_half_a_cell_apart_and_numbered_one_after_the_other() {
+        let mut next = 0;
+        for edge in of_box([0.5, 0.01, 0.333]) {
+            let apart = (edge.ends[1] - edge.ends[0]).length() / edge.count as f64;
+            assert!(edge.first == next && apart <= 0.05 + 1e-12, "{edge:?}");
+            next = edge.first + edge.count;
+        }
+    }
+
+    #[test]
+    fn the_edges_of_a_thin_box_lead_out_along_its_longer_sides() {
+        for edge in of_box([0.01, 0.5, 0.5]) {
+            assert!(edge.outward.x == 0.0 && (edge.outward.length() - 1.0).abs() < 1e-12, "a wall: {edge:?}");
+        }
+        let rod = of_box([0.01, 0.5, 0.01]);
+        let (along, across): (Vec<&Edge>, Vec<&Edge>) =
+            rod.iter().partition(|edge| (edge.ends[1] - edge.ends[0]).y != 0.0);
+        assert!(along.len() == 4 && along.iter().all(|edge| edge.outward.y == 0.0), "{along:?}");
+        assert!(across.iter().all(|edge| edge.outward.y.abs() == 1.0), "{across:?}");
+        let cube = of_box([0.5; 3]);
+        assert_eq!(cube.len(), 12 + 8, "edges and corners");
+        assert!(cube.iter().all(|edge| edge.outward.dot(edge.ends[0] + edge.ends[1]) > 0.7), "outwards: {cube:?}");
+    }
+
+    #[test]
+    fn round_forms_have_edges_only_where_they_are_thin() {
+        let ball = |radius| of(scene::ObstacleShape::Sphere(Sphere { radius, ..Sphere::default() })).len();
+        let capsule = |radius| of(scene::ObstacleShape::Capsule(Capsule { radius, ..Capsule::default() })).len();
+        assert_eq!([ball(0.2), capsule(0.2)], [0, 0]);
+        assert!(ball(0.09) == 14 && capsule(0.09) == 8, "14 points, six lines and two ends");
+        let cylinder = |radius| of(scene::ObstacleShape::Cylinder(Cylinder { radius, ..Cylinder::default() }));
+        let rims = cylinder(0.5);
+        assert!(rims.len() > 100 && rims.iter().all(|edge| edge.outward.y.abs() > 0.7), "two rims");
+        assert!(cylinder(0.05).iter().any(|edge| edge.count > 1), "lines along a rod");
+    }
+
+    #[test]
+    fn a_plane_has_a_rim_that_leads_away_from_its_middle() {
+        let rim = of(scene::ObstacleShape::Plane(Plane { half_extents: [1.0, 2.0], ..Plane::default() }));
+        assert_eq!(rim.len(), 4);
+        for edge in rim {
+            let middle = 0.5 * (edge.ends[0] + edge.ends[1]);
+            assert!(middle.y == 0.0 && middle.normalize().dot(edge.outward) > 1.0 - 1e-12, "{edge:?}");
+        }
+    }
+
+    fn of_mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Edge> {
+        let mesh = TriMesh {
+            positions: positions.iter().map(|at| DVec3::from(*at)).collect(),
+            triangles: triangles.to_vec(),
+            ..TriMesh::default()
+        };
+        let surface = std::sync::Arc::new(Surface::new(&mesh).expect("a sound surface"));
+        let turned = [DVec3::X, DVec3::Y, DVec3::Z];
+        let model =
+            MeshModel::<f64> { center: DVec3::ZERO, axes: turned, length: 1.0, surface, side_row: None, place: 0 };
+        edges(&ObstacleShape::Mesh(model), CELLS).near(|_, _| true).copied().collect()
+    }
+
+    #[test]
+    fn a_mesh_has_edges_where_its_faces_fall_away_and_at_its_rim() {
+        // A wedge of two faces over an edge along z, open below.
+        let roof = |height: f64| {
+            let corners = [
+                [0.0, height, 0.0],
+                [0.0, height, 1.0],
+                [0.5, 0.0, 0.0],
+                [0.5, 0.0, 1.0],
+                [-0.5, 0.0, 0.0],
+                [-0.5, 0.0, 1.0],
+            ];
+            of_mesh(&corners, &[[0, 1, 2], [1, 3, 2], [0, 4, 1], [1, 4, 5]])
+        };
+        let is_ridge = |edge: &&Edge| {
+            let [a, b] = edge.ends;
+            a.x.abs() < 1e-9 && b.x.abs() < 1e-9 && edge.count > 1
+        };
+        let steep = roof(1.0);
+        let ridge: Vec<_> = steep.iter().filter(is_ridge).collect();
+        assert!(ridge.len() == 1 && ridge[0].outward.y > 0.99, "{ridge:?}");
+        assert_eq!(roof(0.05).iter().filter(is_ridge).count(), 0, "a flat roof has no ridge");
+        let rim = steep.iter().filter(|edge| edge.count > 1 && !is_ridge(edge));
+        assert_eq!(rim.count(), 6, "the rim");
+    }
+}
