@@ -175,8 +175,9 @@
 //! voxel) · lattice (particles and links of a body at rest) · body · obstacle (plane, sphere, box, capsule, cylinder or mesh) ·
 //! material · scene · edit · command · model · plan · state · step (one dt) · substep · span (steps that end with a
 //! substep) · part (of a substep that is divided further) · frame (one picture) · contact (of a particle, or of a point
-//! that several particles carry) · island (bodies that touch each other, or others that do) · broad and narrow phase · skin (the drawn surface) · overlay (what explains a picture) ·
-//! draw list · pass · preset · report.
+//! that several particles carry) · edge (points of an obstacle that cells meet, as particles may pass it by) · island (bodies
+//! that touch each other, or others that do) · broad and narrow phase · skin (the drawn surface) · overlay (what explains a
+//! picture) · draw list · pass · preset · report.
 //!
 //! Sources: *Gelatin Cubes: Soft Body Simulation* (G. Solaro, USI 2023), cited as GC with its section, and *Squashing
 //! Cubes: Automating Deformable Model Construction for Graphics* (James, Barbič, Twigg 2004), cited as SC.

@@ -360,6 +360,7 @@ fn meet_obstacles<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspac
         }
         contact::respond(substep, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
+        contact::samples::count_parting_work(substep, velocity, &contact.samples, recorder);
     }
     if substep.bodies_are_near {
         contact::bodies::count_parting_work(substep, velocity, &contact.bodies, recorder);
@@ -447,6 +448,7 @@ fn solved_velocities<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorks
     let ContactWorkspace { bodies, samples, equations, .. } = &mut *contact;
     if meets_on_mesh {
         contact::samples::finish_constraints(substep, velocity, samples, equations, recorder);
+        contact::samples::count_parting_work(substep, velocity, samples, recorder);
     }
     if substep.bodies_are_near {
         contact::bodies::finish_constraints(substep, velocity, bodies, equations, recorder);

@@ -125,7 +125,7 @@ pub fn judge_with_events<R: Real>(
         let now = judge.verdict.substeps as f64 * simulation.plan().substep_secs();
         let mut before = None;
         while let Some(disturbance) = coming.next_if(|coming| coming.at_secs <= now) {
-            let had = before.unwrap_or_else(|| simulation.diagnostics().energy.total());
+            let had = before.unwrap_or_else(|| energy_so_far(&simulation));
             disturbance.apply(&mut simulation, scene, lattices);
             let has = energy_to_keep(&simulation);
             before = Some(has);
@@ -138,6 +138,14 @@ pub fn judge_with_events<R: Real>(
             return judge.verdict;
         }
     }
+}
+
+/// The energy, J, that the bodies have before a disturbance: without what a push of contact would add in the coming substep,
+/// which comes no more and is not in the work so far.
+fn energy_so_far<R: Real>(simulation: &Simulation<R>) -> f64 {
+    let with_contact = simulation.diagnostics().energy;
+    let without_contact = without_contact(simulation).diagnostics().energy;
+    with_contact.total().min(without_contact.total() + with_contact.contact)
 }
 
 /// The energy, J, that the bodies may keep after a disturbance.

@@ -8,13 +8,15 @@
 //! ```
 //!
 //! A point that is deeper than a cell, and than it can have come in the substep, has not come in by that side: it meets nothing.
-//! So a body that an obstacle was put into is not torn apart at its edges.
+//! So a body that an obstacle was put into is not torn apart at its edges. Nor does a cell meet edges while particles of it are
+//! deep in an obstacle, as in a body that begins there: these push with all that their springs hold, and edges would add to it.
 
 use glam::DVec3;
 
 use super::workspace::{FoundContact, SamplesWorkspace};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::bodies::{CandidateCell, CandidatePoint, Cell, WayOut, way_out};
+use crate::physics::contact::narrow;
 use crate::physics::contact::placed::Placed;
 use crate::physics::kernels::bounds;
 use crate::physics::model::{BodyModel, Edge, FIRST_EDGE_POINT, Frame, Model, ObstacleModel};
@@ -23,6 +25,9 @@ use crate::physics::step::substep::Substep;
 
 /// Boxes are grown by this share of a cell, for places on its outside and for rounding error.
 const MARGIN_SHARE: f64 = 1e-3;
+
+/// A particle is deep in an obstacle where it is this many times as deep as contact lets it be.
+const DEEP_RATIO: f64 = 2.0;
 
 /// Boxes that look ahead are grown by this share of a cell, for what forces add to the motion within a substep.
 const AHEAD_SHARE: f64 = 0.5;
@@ -231,6 +236,10 @@ fn add_contacts<R: Real>(
         let of_cell = of_cell.map(|(corner, weight)| velocity[*corner as usize].to_dvec3() * weight).sum::<DVec3>();
         let past = surface_velocity - of_cell;
         let outward = if point.outward == DVec3::ZERO { past.normalize_or_zero() } else { point.outward };
+        let mut carriers = corners.iter().map(|corner| start + *corner as usize);
+        if body.samples.is_none() && carriers.any(|particle| is_deep_inside(substep, number, particle)) {
+            return None;
+        }
         let cell = Cell(corners.map(|corner| predicted[corner as usize]));
         let WayOut { normal, depth, .. } = way_out(skin, body, candidate, &cell, Err(outward))?;
         let entered = -dt * past.dot(normal);
@@ -252,6 +261,17 @@ fn add_contacts<R: Real>(
         })
     });
     found_contacts.extend(found);
+}
+
+/// Whether a particle of a body is deeper in an obstacle than contact lets it be.
+fn is_deep_inside<R: Real>(substep: Substep<'_, R>, number: usize, particle: usize) -> bool {
+    let at = substep.state.position[particle];
+    substep.model.bodies[number].contacts.iter().enumerate().any(|(obstacle, contact)| {
+        let met = substep.obstacles.for_body(number, obstacle);
+        let has_inside = met.shape.side_row().is_none() && met.bounds.holds(at);
+        let depth_limit = contact.depth_limit * R::from_f64(DEEP_RATIO);
+        has_inside && narrow::meet(&met.shape, 0, at, R::Vec3::ZERO).is_some_and(|surface| surface.gap < -depth_limit)
+    })
 }
 
 /// Whether a body whose places and velocities are in these boxes comes near an edge of an obstacle in the next `secs`.

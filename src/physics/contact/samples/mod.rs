@@ -37,11 +37,11 @@ pub(in crate::physics) use workspace::SamplesWorkspace;
 
 use glam::DVec3;
 
-use self::workspace::FoundContact;
+use self::workspace::{FoundContact, PartedPoint};
 use super::narrow;
 use super::response;
 use super::weighted::{
-    self, ContactPlane, ModalShares, Mover, PARTING_SPEED_SHARE, PointConstraint, PointLaw, SpringBefore, Touching,
+    self, ContactPlane, ModalShares, PARTING_SPEED_SHARE, PointConstraint, PointLaw, SpringBefore, Touching,
     WeightedConstraints,
 };
 use crate::math::{Real, Vector};
@@ -80,7 +80,7 @@ pub(in crate::physics) fn meet<R: Real>(
                 solve(substep, velocity, workspace);
             }
         }
-        record(substep, velocity, workspace, recorder);
+        record(substep, workspace, recorder);
     }
     workspace.sort();
 }
@@ -128,7 +128,7 @@ pub(in crate::physics) fn finish_constraints<R: Real>(
 ) {
     let SamplesWorkspace { constraints, movers, first_equation, .. } = workspace;
     equations.finish::<R>(*first_equation, constraints, movers, velocity);
-    record(substep, velocity, workspace, recorder);
+    record(substep, workspace, recorder);
     workspace.sort();
 }
 
@@ -220,21 +220,28 @@ fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: 
     }
 }
 
-/// Records the contacts found, the touches at the end of the substep, and the work done.
-fn record<R: Real>(
+/// Counts the work of parting points from obstacles, once the velocities at the end are known: contact of particles may have
+/// changed them since.
+pub(in crate::physics) fn count_parting_work<R: Real>(
     substep: Substep<'_, R>,
     velocity: &[R::Vec3],
-    workspace: &mut SamplesWorkspace<R>,
+    workspace: &SamplesWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) {
+    let both = |particle: usize| substep.state.velocity[particle].to_dvec3() + velocity[particle].to_dvec3();
+    let work = |point: &PartedPoint| {
+        let carried = point.carriers.iter().zip(point.weights);
+        let mean = carried.map(|(carrier, weight)| both(*carrier) * (0.5 * weight)).sum::<DVec3>();
+        point.push.work(mean - point.surface_velocity)
+    };
+    recorder.counters.parting_work_j += workspace.parted.iter().map(work).sum::<f64>();
+}
+
+/// Records the contacts found, the touches at the end of the substep, and the work done.
+fn record<R: Real>(substep: Substep<'_, R>, workspace: &mut SamplesWorkspace<R>, recorder: &mut Recorder<'_>) {
     let Substep { model, state, .. } = substep;
     let dt = substep.dt.to_f64();
-    let SamplesWorkspace { found_contacts, constraints, movers, contacts, touches, deepest, .. } = workspace;
-    let mean = |mover: &Mover| {
-        let particle = mover.particle as usize;
-        let both = state.velocity[particle].to_dvec3() + velocity[particle].to_dvec3();
-        if mover.mobility > 0.0 { both * 0.5 } else { mover.predicted_velocity }
-    };
+    let SamplesWorkspace { found_contacts, constraints, movers, contacts, touches, parted, deepest, .. } = workspace;
     let has_friction = |obstacle: usize| response::has_friction(&model.obstacles[obstacle]);
     let counters = &mut recorder.counters;
     for (found, constraint) in found_contacts.iter().zip(constraints) {
@@ -243,7 +250,8 @@ fn record<R: Real>(
         counters.frictions += u64::from(force != DVec3::ZERO && has_friction(obstacle));
         counters.obstacle_work_j += force.dot(surface_velocity) * dt;
         counters.fastest_surface_m_s = counters.fastest_surface_m_s.max(surface_velocity.length());
-        counters.parting_work_j += constraint.parting_work(mean, movers, dt);
+        let part = |push| PartedPoint { carriers, weights, surface_velocity, push };
+        parted.extend(constraint.parting(movers, dt).map(part));
         contacts.push(SampleContact {
             body: number,
             sample,

@@ -7,7 +7,7 @@ use super::edges::EdgesWorkspace;
 use super::record::SampleContact;
 use crate::math::Real;
 use crate::physics::contact::narrow::mesh::NearestPointCache;
-use crate::physics::contact::weighted::{Movers, PointConstraint};
+use crate::physics::contact::weighted::{Movers, PartingPush, PointConstraint};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
@@ -36,6 +36,18 @@ pub(super) struct FoundContact {
     pub(super) surface_velocity: DVec3,
 }
 
+/// A point that was parted from an obstacle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PartedPoint {
+    /// The particles that carry it, in the state's arrays, ...
+    pub(super) carriers: [usize; 8],
+    /// ... and their weights.
+    pub(super) weights: [f64; 8],
+    /// Velocity of the surface, m/s.
+    pub(super) surface_velocity: DVec3,
+    pub(super) push: PartingPush,
+}
+
 /// The workspace of contact on meshes; empty where there is no such contact.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct SamplesWorkspace<R: Real> {
@@ -60,6 +72,8 @@ pub(in crate::physics) struct SamplesWorkspace<R: Real> {
     pub(in crate::physics) contacts: Vec<SampleContact>,
     /// The touches at its end.
     pub(in crate::physics) touches: Vec<SampleTouch>,
+    /// What parted points in the last substep.
+    pub(super) parted: Vec<PartedPoint>,
     /// The greatest depth then, m.
     pub(in crate::physics::contact) deepest: f64,
 }
@@ -88,6 +102,7 @@ impl<R: Real> SamplesWorkspace<R> {
             first_equation: 0,
             contacts: Vec::with_capacity(pairs),
             touches: Vec::with_capacity(pairs),
+            parted: Vec::with_capacity(pairs),
             deepest: 0.0,
         }
     }
@@ -118,6 +133,7 @@ impl<R: Real> SamplesWorkspace<R> {
     /// Forgets all contacts and touches but those of sleeping bodies.
     pub(in crate::physics) fn keep_sleeping_contacts(&mut self, state: &State<R>) {
         self.contacts.retain(|contact| state.bodies[contact.body].asleep);
+        self.parted.clear();
         self.touches.clear();
         self.touches.extend(state.touches.iter().filter(|touch| state.bodies[touch.body].asleep));
         self.deepest = self.contacts.iter().fold(0.0, |deepest, contact| deepest.max(-contact.gap));

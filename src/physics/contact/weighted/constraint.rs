@@ -78,6 +78,22 @@ pub(in crate::physics::contact) struct EnergyGain {
     pub(in crate::physics::contact) max_parting: f64,
 }
 
+/// What parts a point from what it is in.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics::contact) struct PartingPush {
+    /// The impulse along the normal, N·s.
+    impulse: DVec3,
+    /// The energy that the contact's spring gains, J.
+    spring_gain: f64,
+}
+
+impl PartingPush {
+    /// The work where the mean of the velocities before and after is this, relative to what the point is in (m/s), J.
+    pub(in crate::physics::contact) fn work(&self, mean_velocity: DVec3) -> f64 {
+        (self.impulse.dot(mean_velocity) + self.spring_gain).max(0.0)
+    }
+}
+
 /// Below this mobility a push moves nothing by more than rounding error, 1/kg.
 const MIN_MOBILITY: f64 = 1e-12;
 
@@ -285,11 +301,17 @@ impl PointConstraint {
         movers: &Movers,
         dt: f64,
     ) -> f64 {
-        if self.spring.excess_depth() <= 0.0 {
-            return 0.0;
-        }
-        let mean = movers.velocity_with(self.shares, mean) - self.surface_velocity;
-        (self.normal_impulse * mean.dot(self.normal) + self.spring_energy_gain(movers, dt)).max(0.0)
+        let Some(parting) = self.parting(movers, dt) else { return 0.0 };
+        parting.work(movers.velocity_with(self.shares, mean) - self.surface_velocity)
+    }
+
+    /// How it parts the two, if the point is deeper than the spring is pressed.
+    pub(in crate::physics::contact) fn parting(&self, movers: &Movers, dt: f64) -> Option<PartingPush> {
+        let is_parted = self.spring.excess_depth() > 0.0;
+        is_parted.then(|| PartingPush {
+            impulse: self.normal * self.normal_impulse,
+            spring_gain: self.spring_energy_gain(movers, dt),
+        })
     }
 
     /// Returns the most work that the contact can do in a substep of `dt` (s), J: what its spring gives back, and what parting

@@ -18,7 +18,7 @@ mod movers;
 mod solve;
 
 pub(in crate::physics) use constraint::pressed_at_end;
-pub(super) use constraint::{ContactPlane, PointConstraint, SpringBefore};
+pub(super) use constraint::{ContactPlane, PartingPush, PointConstraint, SpringBefore};
 pub(in crate::physics) use equations::{BYTES_A_CONTACT, Touching, WeightedConstraint, WeightedConstraints};
 pub use law::DEPTH_SHARE;
 pub(in crate::physics) use law::{PARTING_SPEED_SHARE, PointLaw, STIFFNESS_OVER_MASS};
