@@ -129,7 +129,7 @@ pub(super) fn for_each_panel<R: Real>(
                     }
                     match start {
                         InitialForce::Alike(start) | InitialForce::Passing(start) => {
-                            fill(*start, begun.start - first..begun.end - first, boxed)
+                            fill(*start, begun.start - first..begun.end - first, boxed);
                         }
                         InitialForce::Each => scatter(runs, origin, to, boxed),
                     }

@@ -69,6 +69,7 @@ impl<R: Real> Substep<'_, R> {
 
 /// The stretch of time that one evaluation of a scheme covers: a substep or a part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a fact about the part, and any mixture may be")]
 pub(in crate::physics) struct Part {
     /// Its length, s.
     pub(in crate::physics) secs: f64,

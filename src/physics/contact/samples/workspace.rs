@@ -21,7 +21,7 @@ const CONTACT_PARTICLES: usize = 8;
 pub(super) struct FoundContact {
     /// The body.
     pub(super) body: usize,
-    /// The point, by its number in the body, or as in [`FIRST_EDGE_POINT`].
+    /// The point, by its number in the body, or as in [`FIRST_EDGE_POINT`](crate::physics::model::FIRST_EDGE_POINT).
     pub(super) sample: usize,
     pub(super) obstacle: usize,
     /// The particles that carry it, in the state's arrays, ...
