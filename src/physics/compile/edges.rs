@@ -68,7 +68,7 @@ impl CellSizes {
 
 /// The edges of an obstacle among bodies of these cells.
 pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, cells: CellSizes) -> Edges {
-    let mut list = EdgeList { spacing: SPACING * cells.smallest, edges: Vec::new(), points: 0 };
+    let mut list = EdgeList { spacing: SPACING * cells.smallest, edges: Vec::new() };
     let is_thin = |radius: f64| 2.0 * radius < cells.largest;
     match shape {
         ObstacleShape::Plane(plane) => list.add_rim(plane.half_extents.map(Real::to_f64)),
@@ -106,7 +106,6 @@ struct EdgeList {
     /// Between points, m.
     spacing: f64,
     edges: Vec<Edge>,
-    points: usize,
 }
 
 impl EdgeList {
@@ -114,8 +113,7 @@ impl EdgeList {
         let parts = ((ends[1] - ends[0]).length() / self.spacing).ceil().clamp(1.0, MAX_POINTS_AN_EDGE);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and a million")]
         let count = parts as usize;
-        self.edges.push(Edge { ends, outward, first: self.points, count });
-        self.points += count;
+        self.edges.push(Edge { ends, outward, first: 0, count });
     }
 
     fn add_point(&mut self, at: DVec3, outward: DVec3) {

@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use super::ObstacleShape;
-use crate::math::{Aabb, Real, Vector};
+use crate::math::Aabb;
 
 /// Points on the edges of obstacles are numbered from here on, where points of bodies' meshes have numbers, too.
 pub(in crate::physics) const FIRST_EDGE_POINT: usize = 1 << 30;
@@ -25,21 +24,23 @@ pub(in crate::physics) struct Edge {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::physics) struct Edges {
     all: Vec<Edge>,
-    /// For every [`GROUP`] edges the middle of a ball around them, and its radius, m.
-    balls: Vec<(DVec3, f64)>,
+    /// For every group of them the place after its last, the middle of a ball around it, and the ball's radius, m.
+    balls: Vec<(usize, DVec3, f64)>,
 }
 
-/// Edges that are left out together where they are far away.
-const GROUP: usize = 64;
+/// Edges that are left out together where they are far away, at most.
+const GROUP: usize = 16;
 
 impl Edges {
-    /// The edges in their order.
-    pub(in crate::physics) fn new(all: Vec<Edge>) -> Self {
-        let ball = |group: &[Edge]| {
-            let around: Aabb<f64> = Aabb::around(group.iter().flat_map(|edge| edge.ends));
-            (around.center(), 0.5 * around.size().length())
-        };
-        let balls = all.chunks(GROUP).map(ball).collect();
+    /// Some edges, each given by its ends, the way out and the number of points. Edges near each other follow one another.
+    pub(in crate::physics) fn new(mut all: Vec<Edge>) -> Self {
+        let mut balls = Vec::new();
+        group(&mut all, &mut balls);
+        let mut next = 0;
+        for edge in &mut all {
+            edge.first = next;
+            next += edge.count;
+        }
         Self { all, balls }
     }
 
@@ -55,37 +56,25 @@ impl Edges {
 
     /// The edges that may be near: those of groups whose ball `is_near`, given its middle and its radius.
     pub(in crate::physics) fn near(&self, is_near: impl Fn(DVec3, f64) -> bool) -> impl Iterator<Item = &Edge> {
-        let groups = self.all.chunks(GROUP).zip(&self.balls);
-        groups.filter(move |(_, (middle, radius))| is_near(*middle, *radius)).flat_map(|(edges, _)| edges)
+        let begins = std::iter::once(0).chain(self.balls.iter().map(|ball| ball.0));
+        let groups = begins.zip(&self.balls).filter(move |(_, (_, middle, radius))| is_near(*middle, *radius));
+        groups.flat_map(|(begin, (end, ..))| &self.all[begin..*end])
     }
 }
 
-/// Where an obstacle is and how it is turned.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::physics) struct Frame<R: Real> {
-    center: R::Vec3,
-    axes: [DVec3; 3],
-}
-
-impl<R: Real> Frame<R> {
-    /// The frame of an obstacle.
-    pub(in crate::physics) fn of(shape: &ObstacleShape<R>) -> Self {
-        let (center, axes) = match shape {
-            ObstacleShape::Plane(plane) => (plane.center, [plane.axes[0], plane.normal, plane.axes[1]]),
-            ObstacleShape::Oriented(form) => (form.center, form.axes),
-            ObstacleShape::Mesh(mesh) => (mesh.center, mesh.axes),
-            ObstacleShape::Sphere { center, .. } => (*center, [DVec3::X, DVec3::Y, DVec3::Z].map(R::Vec3::from_dvec3)),
-        };
-        Self { center, axes: axes.map(Vector::to_dvec3) }
-    }
-
-    /// A direction of the obstacle's own axes, in the world.
-    pub(in crate::physics) fn direction(&self, local: DVec3) -> DVec3 {
-        self.axes[0] * local.x + self.axes[1] * local.y + self.axes[2] * local.z
-    }
-
-    /// A place in the obstacle's own axes, in the world, m.
-    pub(in crate::physics) fn place(&self, local: DVec3) -> DVec3 {
-        self.center.to_dvec3() + self.direction(local)
+/// Sorts edges into groups: halves them along the longest side of the box around their middles until few are left.
+fn group(edges: &mut [Edge], balls: &mut Vec<(usize, DVec3, f64)>) {
+    let end_of_last = |balls: &[(usize, DVec3, f64)]| balls.last().map_or(0, |ball| ball.0);
+    if edges.len() > GROUP {
+        let middle = |edge: &Edge| 0.5 * (edge.ends[0] + edge.ends[1]);
+        let size = Aabb::<f64>::around(edges.iter().map(middle)).size();
+        let axis = (0..3).fold(0, |longest, axis| if size[axis] > size[longest] { axis } else { longest });
+        edges.sort_by(|one, other| middle(one)[axis].total_cmp(&middle(other)[axis]));
+        let (low, high) = edges.split_at_mut(edges.len() / 2);
+        group(low, balls);
+        group(high, balls);
+    } else if !edges.is_empty() {
+        let around: Aabb<f64> = Aabb::around(edges.iter().flat_map(|edge| edge.ends));
+        balls.push((end_of_last(balls) + edges.len(), around.center(), 0.5 * around.size().length()));
     }
 }

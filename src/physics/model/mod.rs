@@ -4,6 +4,7 @@
 mod cell_kind;
 mod composition;
 mod edge;
+mod frame;
 mod hull;
 mod inertia;
 pub(in crate::physics) mod levels;
@@ -23,7 +24,8 @@ pub(in crate::physics) use skin::{MeshPenetration, Skin};
 
 pub(in crate::physics) use cell_kind::CellKind;
 pub(in crate::physics) use composition::{Composition, LatticeConstants};
-pub(in crate::physics) use edge::{Edge, Edges, FIRST_EDGE_POINT, Frame};
+pub(in crate::physics) use edge::{Edge, Edges, FIRST_EDGE_POINT};
+pub(in crate::physics) use frame::Frame;
 pub(in crate::physics) use hull::{Hull, Surroundings};
 pub use inertia::Inertia;
 pub(in crate::physics) use link::LinkConstants;

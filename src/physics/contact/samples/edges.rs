@@ -13,94 +13,18 @@
 
 use glam::DVec3;
 
-use super::workspace::{FoundContact, SamplesWorkspace};
+use super::moving_edge::{MARGIN_SHARE, MovingEdge, moved_bounds};
+use super::workspace::{EdgePoint, EdgesWorkspace, FoundContact, SamplesWorkspace};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::bodies::{CandidateCell, CandidatePoint, Cell, WayOut, way_out};
 use crate::physics::contact::narrow;
-use crate::physics::contact::placed::Placed;
 use crate::physics::kernels::bounds;
-use crate::physics::model::{BodyModel, Edge, FIRST_EDGE_POINT, Frame, Model, ObstacleModel};
+use crate::physics::model::{BodyModel, FIRST_EDGE_POINT, Frame, ObstacleModel};
 use crate::physics::report::Counters;
 use crate::physics::step::substep::Substep;
 
-/// Boxes are grown by this share of a cell, for places on its outside and for rounding error.
-const MARGIN_SHARE: f64 = 1e-3;
-
 /// A particle is deep in an obstacle where it is this many times as deep as contact lets it be.
 const DEEP_RATIO: f64 = 2.0;
-
-/// Boxes that look ahead are grown by this share of a cell, for what forces add to the motion within a substep.
-const AHEAD_SHARE: f64 = 0.5;
-
-/// Workspace for edges; empty where obstacles have none.
-#[derive(Clone, Debug, Default)]
-pub(super) struct EdgesWorkspace {
-    /// Where the particles of the present body would be at the end of the substep, m.
-    predicted: Vec<DVec3>,
-    /// The points that may be in its cells then.
-    candidates: Vec<CandidatePoint>,
-    /// For each of them.
-    points: Vec<EdgePoint>,
-}
-
-impl EdgesWorkspace {
-    pub(super) fn new<R: Real>(model: &Model<R>) -> Self {
-        let room = model.edge_room();
-        let largest = model.bodies.iter().map(|body| body.particles.len()).max().unwrap_or(0);
-        let predicted = Vec::with_capacity(if room > 0 { largest } else { 0 });
-        Self { predicted, candidates: Vec::with_capacity(room), points: Vec::with_capacity(room) }
-    }
-}
-
-/// A point on an edge.
-#[derive(Clone, Copy, Debug)]
-struct EdgePoint {
-    /// Its number.
-    sample: usize,
-    /// Where it is when the substep begins, m.
-    from: DVec3,
-    /// The way out of the obstacle, of length 1, or zero.
-    outward: DVec3,
-}
-
-/// An edge of an obstacle on its way through a substep, in the world.
-#[derive(Clone, Copy, Debug)]
-struct MovingEdge {
-    /// Its ends at the beginning and at the end, m.
-    ends: [[DVec3; 2]; 2],
-}
-
-impl MovingEdge {
-    fn of<R: Real>(edge: &Edge, frame: &Frame<R>, obstacle: &ObstacleModel<R>) -> Self {
-        let now = edge.ends.map(|end| frame.place(end));
-        let then = obstacle.carry.map_or(now, |carry| now.map(|at| carry.apply(R::Vec3::from_dvec3(at)).to_dvec3()));
-        Self { ends: [now, then] }
-    }
-
-    /// The box around it at the end.
-    fn bounds(&self) -> Aabb<f64> {
-        Aabb::around(self.ends[1])
-    }
-
-    /// Where the point at a share of its length is at the beginning and at the end, m.
-    fn points(&self, share: f64) -> [DVec3; 2] {
-        self.ends.map(|[from, to]| from + (to - from) * share)
-    }
-
-    /// The part of it that is in a box at the end, as shares of its length; empty where none is.
-    fn clipped(&self, bounds: &Aabb<f64>) -> [f64; 2] {
-        let [from, to] = self.ends[1];
-        (0..3).fold([0.0, 1.0], |[first, last]: [f64; 2], axis| {
-            let way = to[axis] - from[axis];
-            let [low, high] = [bounds.min[axis] - from[axis], bounds.max[axis] - from[axis]];
-            if way == 0.0 {
-                return if low <= 0.0 && high >= 0.0 { [first, last] } else { [1.0, 0.0] };
-            }
-            let [a, b] = [low / way, high / way];
-            [first.max(a.min(b)), last.min(a.max(b))]
-        })
-    }
-}
 
 /// Adds the contacts of obstacles' edges with the cells of a body, if its particles have these velocities, that were not found
 /// before. Returns whether there are any.
@@ -140,15 +64,6 @@ pub(super) fn find_contacts<R: Real>(
         add_contacts(substep, number, obstacle, velocity, workspace);
     }
     workspace.found_contacts.len() > before
-}
-
-/// The box around everything in a box of places that moves with velocities in another box for `dt`, at the end.
-fn moved_bounds<R: Real>(at: Aabb<R>, velocity: Aabb<R>, dt: R) -> Aabb<f64> {
-    let dt = dt.to_f64();
-    Aabb {
-        min: at.min.to_dvec3() + velocity.min.to_dvec3() * dt,
-        max: at.max.to_dvec3() + velocity.max.to_dvec3() * dt,
-    }
 }
 
 /// Lists the points on an obstacle's edges that are within a box at the end of the substep.
@@ -271,36 +186,5 @@ fn is_deep_inside<R: Real>(substep: Substep<'_, R>, number: usize, particle: usi
         let has_inside = met.shape.side_row().is_none() && met.bounds.holds(at);
         let depth_limit = contact.depth_limit * R::from_f64(DEEP_RATIO);
         has_inside && narrow::meet(&met.shape, 0, at, R::Vec3::ZERO).is_some_and(|surface| surface.gap < -depth_limit)
-    })
-}
-
-/// Whether a body whose places and velocities are in these boxes comes near an edge of an obstacle in the next `secs`.
-pub(super) fn comes_near<R: Real>(
-    model: &Model<R>,
-    obstacles: &Placed<R>,
-    number: usize,
-    [at, velocity]: [Aabb<R>; 2],
-    secs: R,
-) -> bool {
-    let body = &model.bodies[number];
-    if body.modal.is_some() {
-        return false;
-    }
-    let (now, then) = (moved_bounds(at, velocity, R::ZERO), moved_bounds(at, velocity, secs));
-    let around = now.joined(then).grown(AHEAD_SHARE * body.lattice.grid.cell_size);
-    let [middle, half] = [around.center(), 0.5 * around.size()];
-    let met = (0..model.obstacles.len()).map(|obstacle| obstacles.for_body(number, obstacle));
-    met.filter(|obstacle| !obstacle.edges.is_empty()).any(|obstacle| {
-        let frame = Frame::of(&obstacle.shape);
-        let carried = |at: DVec3| obstacle.carry.map_or(at, |carry| carry.apply(R::Vec3::from_dvec3(at)).to_dvec3());
-        let is_near = |ball: DVec3, radius: f64| {
-            let (from, to) = (frame.place(ball), carried(frame.place(ball)));
-            let reach = radius * (1.0 + MARGIN_SHARE) + (to - from).length();
-            ((to - middle).abs() - half).max_element() <= reach
-        };
-        obstacle.edges.near(is_near).any(|edge| {
-            let MovingEdge { ends: [from, to] } = MovingEdge::of(edge, &frame, obstacle);
-            Aabb::around(from.into_iter().chain(to)).overlaps(&around)
-        })
     })
 }

@@ -27,6 +27,7 @@
 mod clearance;
 mod edges;
 mod find;
+mod moving_edge;
 mod near;
 mod record;
 mod workspace;

@@ -3,7 +3,7 @@
 //! Boxes are around motions and never too small, so the points that they leave out meet nothing: the outcome is bit for bit
 //! that of testing everything.
 
-use super::edges;
+use super::moving_edge;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::placed::Placed;
 use crate::physics::kernels::bounds;
@@ -37,7 +37,7 @@ pub(in crate::physics) fn comes_near<R: Real>(
         let own = body.particles.clone();
         let (at, fast) = (bounds::<R>(plan.simd, &state.position[own.clone()]), velocity_bounds[number]);
         let secs = R::from_f64(secs);
-        if has_edges && edges::comes_near(model, obstacles, number, [at, fast], secs) {
+        if has_edges && moving_edge::comes_near(model, obstacles, number, [at, fast], secs) {
             return true;
         }
         let Some(samples) = &body.samples else { return false };

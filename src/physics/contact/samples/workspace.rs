@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::clearance::Clearances;
-use super::edges::EdgesWorkspace;
 use super::record::SampleContact;
 use crate::math::Real;
+use crate::physics::contact::bodies::CandidatePoint;
 use crate::physics::contact::narrow::mesh::NearestPointCache;
 use crate::physics::contact::weighted::{Movers, PartingPush, PointConstraint};
 use crate::physics::model::plan::Plan;
@@ -34,6 +34,37 @@ pub(super) struct FoundContact {
     pub(super) gap: f64,
     /// Velocity of the surface, m/s.
     pub(super) surface_velocity: DVec3,
+}
+
+/// Workspace for edges; empty where obstacles have none.
+#[derive(Clone, Debug, Default)]
+pub(super) struct EdgesWorkspace {
+    /// Where the particles of the present body would be at the end of the substep, m.
+    pub(super) predicted: Vec<DVec3>,
+    /// The points that may be in its cells then.
+    pub(super) candidates: Vec<CandidatePoint>,
+    /// For each of them.
+    pub(super) points: Vec<EdgePoint>,
+}
+
+impl EdgesWorkspace {
+    fn new<R: Real>(model: &Model<R>) -> Self {
+        let room = model.edge_room();
+        let largest = model.bodies.iter().map(|body| body.particles.len()).max().unwrap_or(0);
+        let predicted = Vec::with_capacity(if room > 0 { largest } else { 0 });
+        Self { predicted, candidates: Vec::with_capacity(room), points: Vec::with_capacity(room) }
+    }
+}
+
+/// A point on an edge.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EdgePoint {
+    /// Its number.
+    pub(super) sample: usize,
+    /// Where it is when the substep begins, m.
+    pub(super) from: DVec3,
+    /// The way out of the obstacle, of length 1, or zero.
+    pub(super) outward: DVec3,
 }
 
 /// A point that was parted from an obstacle.
