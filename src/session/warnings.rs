@@ -26,7 +26,7 @@ impl Session {
         warnings.extend(never_stable(&self.scene().settings));
         warnings.extend(taken_over(&self.scene().settings, self.simulation().plan()));
         warnings.extend(pin_warnings(self.scene(), model));
-        warnings.extend(small_obstacles(self.scene(), model));
+        warnings.extend(small_obstacles(self.scene(), self.simulation().plan(), model));
         warnings.extend(no_body_contact(&self.scene().settings, self.simulation().plan(), model));
         warnings.extend(not_on_mesh(self.scene(), self.simulation().plan(), model));
         warnings.extend(overlaps(self.scene(), model, state));
@@ -73,12 +73,15 @@ fn taken_over(settings: &Settings, plan: &Plan) -> Option<String> {
     })
 }
 
-/// Warns of obstacles smaller than a cell, which pass through a body unnoticed between its particles.
-fn small_obstacles<R: Real>(scene: &Scene, model: &Model<R>) -> Vec<String> {
+/// Warns of obstacles smaller than a cell that pass through a body unnoticed between its particles, as they have no edges that
+/// meet its cells, or nothing meets these.
+fn small_obstacles<R: Real>(scene: &Scene, plan: &Plan, model: &Model<R>) -> Vec<String> {
+    let meets_edges = plan.on_mesh.is_some() && model.bodies.iter().all(|body| body.modes().is_none());
     let largest_cell = model.bodies.iter().map(|body| body.lattice.grid.cell_size).fold(0.0, f64::max);
     let sizes = scene.obstacles.iter().map(|obstacle| obstacle.shape.width()).enumerate();
     sizes
         .filter(|(_, size)| *size < largest_cell)
+        .filter(|(index, _)| !(meets_edges && model.obstacles[*index].has_edges()))
         .map(|(index, size)| {
             format!(
                 "{} is {} m small, less than a cell of {} m: it can slip between particles",
@@ -293,6 +296,23 @@ mod tests {
         assert!(told(&said, "manual steps has no place for its mesh"), "{said:?}");
         let said = on_mesh(|settings| settings.contact = ContactRule::Thesis);
         assert!(told(&said, "particles alone"), "{said:?}");
+    }
+
+    #[test]
+    fn an_obstacle_smaller_than_a_cell_says_so_where_no_edge_of_it_meets_cells() {
+        let said_of_ball = |change: fn(&mut Settings)| {
+            let said = warnings(|scene| {
+                let ball = Sphere { center: [0.0, -5.0, 0.0], radius: 0.01 };
+                scene.obstacles = vec![Obstacle { shape: ObstacleShape::Sphere(ball), ..Obstacle::default() }];
+                change(&mut scene.settings);
+            });
+            said.iter().any(|said| said.contains("it can slip between particles"))
+        };
+        assert!(!said_of_ball(|_| ()), "points on it meet cells");
+        let by_hand: fn(&mut Settings) =
+            |settings| (settings.stepping, settings.integrator) = (Stepping::Manual, Integrator::Rk4);
+        assert!(said_of_ball(by_hand), "manual steps of RK4 have no place for that");
+        assert!(said_of_ball(|settings| settings.contact = ContactRule::Thesis), "the thesis knows particles alone");
     }
 
     #[test]

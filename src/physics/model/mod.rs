@@ -96,7 +96,7 @@ impl<R: Real> Model<R> {
 
     /// Whether any obstacle has edges.
     pub(in crate::physics) fn has_edges(&self) -> bool {
-        self.obstacles.iter().any(|obstacle| !obstacle.edges.is_empty())
+        self.obstacles.iter().any(ObstacleModel::has_edges)
     }
 
     /// Whether any obstacle moves by itself.

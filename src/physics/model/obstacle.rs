@@ -27,6 +27,13 @@ pub struct ObstacleModel<R: Real> {
     pub friction_dynamic: R,
 }
 
+impl<R: Real> ObstacleModel<R> {
+    /// Whether it has edges, which meet the cells of bodies where particles pass it by.
+    pub fn has_edges(&self) -> bool {
+        !self.edges.is_empty()
+    }
+}
+
 /// A rigid motion from the beginning to the end of a substep: `x ↦ turn (x − from) + to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::physics) struct Carry<R: Real> {
