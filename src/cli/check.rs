@@ -87,6 +87,12 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
             "at most {most} iterations of the implicit integrator in 1/60 s, however violent the motion"
         ))?;
     }
+    if let Some([parts, strained]) = prediction.parts_in_contact {
+        out::figures(&format!(
+            "a substep in which points come near each other or an obstacle takes {parts} parts, {strained} while links are far \
+             from their rest length"
+        ))?;
+    }
     if prediction.candidates.len() > 1 {
         out::figures("predicted work, in forces of links a simulated second; the least is taken")?;
     }
@@ -135,6 +141,7 @@ fn unsound(error: &anyhow::Error, scene: &OsStr) -> Value {
         "limits": [],
         "substeps_per_frame": none,
         "most_iterations_per_frame": none,
+        "parts_in_contact": none,
         "predicted_real_time_factor": none,
     })
 }

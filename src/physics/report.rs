@@ -51,6 +51,10 @@ pub struct Counters {
     pub solves: u64,
     /// Iterations of the implicit integrator's solver.
     pub iterations: u64,
+    /// Links that these iterations passed over: each those of the bodies that it solves for.
+    pub iterated_links: u64,
+    /// Parts of substeps that were divided because points of bodies came near each other or an obstacle.
+    pub contact_parts: u64,
     /// Substeps of the implicit integrator, or parts of one, that would have given energy and were halved.
     pub halved: u64,
     /// Substeps of the implicit integrator that reached their work limit and were finished in long parts, with bodies slowed
@@ -105,6 +109,8 @@ impl Counters {
         self.recovery_cells += other.recovery_cells;
         self.solves += other.solves;
         self.iterations += other.iterations;
+        self.iterated_links += other.iterated_links;
+        self.contact_parts += other.contact_parts;
         self.halved += other.halved;
         self.slowed += other.slowed;
         self.modal_work += other.modal_work;

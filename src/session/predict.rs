@@ -50,6 +50,9 @@ pub struct Prediction {
     pub substeps_per_frame: u64,
     /// The limit of the implicit integrator's work in 1/60 s, in iterations; none with other integrators.
     pub most_iterations_per_frame: Option<u64>,
+    /// The parts of a substep in which points of bodies come near each other or an obstacle, where these are more than one and
+    /// the bodies are not strained, and where they are.
+    pub parts_in_contact: Option<[u32; 2]>,
     pub predicted_real_time_factor: f64,
 }
 
@@ -109,6 +112,7 @@ impl Prediction {
             limits,
             substeps_per_frame,
             most_iterations_per_frame: most,
+            parts_in_contact: plan.parts_in_contact(),
             predicted_real_time_factor: factor,
         }
     }

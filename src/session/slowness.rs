@@ -30,6 +30,8 @@ struct Facts<'a> {
     iterations: u64,
     /// The substeps that a step takes while links are far from their rest length.
     strained: Option<u64>,
+    /// The same while points come near each other or an obstacle.
+    in_contact: Option<u64>,
     /// What limits the step, and the length of the substeps that it is divided into, s.
     divided: Option<(&'a str, f64)>,
 }
@@ -61,6 +63,7 @@ impl Session {
             links,
             iterations: self.report.counters.iterations,
             strained: self.strained_substeps(),
+            in_contact: self.substeps_in_contact(),
             divided: is_divided.then_some((limit.as_str(), plan.substep_secs())),
         };
         if self.playing { words(&facts) } else { String::new() }
@@ -73,6 +76,12 @@ impl Session {
         let is_strained = bodies.any(|body| !body.asleep && body.strain > Strain::Small);
         (is_strained && parts > 1 && plan.scheme != Scheme::Implicit)
             .then(|| parts * u64::from(plan.max_substeps_in_step()))
+    }
+
+    /// The substeps in a step, if the last one was divided for contact of points.
+    fn substeps_in_contact(&self) -> Option<u64> {
+        let parts = self.report.counters.contact_parts;
+        (parts > 1).then(|| parts * u64::from(self.simulation.plan().max_substeps_in_step()))
     }
 }
 
@@ -88,6 +97,7 @@ fn words(facts: &Facts<'_>) -> String {
         links,
         iterations,
         strained,
+        in_contact,
         divided,
     } = facts;
     let factor = recent.real_time_factor().unwrap_or(*speed);
@@ -113,6 +123,8 @@ fn words(facts: &Facts<'_>) -> String {
         "contact takes more time than the links".to_owned()
     } else if let Some(substeps) = strained {
         format!("strained links take {substeps} substeps a step")
+    } else if let Some(substeps) = in_contact {
+        format!("bodies that touch take {} substeps a step", two_digits(*substeps))
     } else if let Some((limit, secs)) = divided {
         format!("{limit} takes substeps of {}", step_text(*secs))
     } else if *iterations >= MIN_MENTIONED_ITERATIONS {
@@ -151,6 +163,7 @@ mod tests {
             links: 12_876,
             iterations: 0,
             strained: None,
+            in_contact: None,
             divided: None,
         }
     }
@@ -177,6 +190,8 @@ mod tests {
         assert!(divided.ends_with("shear damping takes substeps of 0.500 ms"), "{divided}");
         let strained = words(&Facts { strained: Some(18), divided: Some(("shear damping", 5e-4)), ..busy.clone() });
         assert!(strained.ends_with("strained links take 18 substeps a step"));
+        let touching = words(&Facts { in_contact: Some(2796), ..busy.clone() });
+        assert!(touching.ends_with("bodies that touch take 2800 substeps a step"), "{touching}");
         let stiff = words(&Facts { iterations: 1_249, ..busy.clone() });
         assert!(stiff.ends_with("about 1200 iterations a substep"), "{stiff}");
         let soft = words(&Facts { iterations: MIN_MENTIONED_ITERATIONS - 1, ..busy.clone() });

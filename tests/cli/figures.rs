@@ -241,7 +241,7 @@ const RUN_KEYS: &str = "scene simulated_secs wall_secs real_time_factor steps su
     dt_safe_secs limited_by integrator simd threads finite particles links mass_kg energy_joule momentum center bounds \
     max_speed max_strain contacts max_penetration_m inverted_cells narrow_tests narrow_tests_saved slowed hash stages warnings \
     trouble start peak";
-const CHECK_KEYS: &str = "ok errors particles links dt_limit_secs dt_safe_secs limited_by limits substeps_per_frame most_iterations_per_frame \
+const CHECK_KEYS: &str = "ok errors particles links dt_limit_secs dt_safe_secs limited_by limits substeps_per_frame most_iterations_per_frame parts_in_contact \
     candidates predicted_real_time_factor named_parts";
 
 pub(crate) fn missing<'a>(object: &serde_json::Value, keys: &'a str) -> Vec<&'a str> {

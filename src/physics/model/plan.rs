@@ -191,6 +191,14 @@ impl Plan {
         self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
     }
 
+    /// The parts that substeps are divided into in which points of bodies come near each other or an obstacle, where these are
+    /// more than one: at rest, and while a body is strained. The implicit scheme may solve for such substeps as a whole instead.
+    pub fn parts_in_contact(&self) -> Option<[u32; 2]> {
+        let plans = [self.between_bodies, self.on_mesh].into_iter().flatten();
+        let divided = plans.filter(|plan| plan.parts > 1 && plan.parts < u32::MAX);
+        divided.map(|plan| [plan.parts, plan.strained_parts]).max()
+    }
+
     /// Substeps in a number of steps since the start.
     pub(in crate::physics) fn substeps_by(&self, steps: u64) -> u64 {
         let [span, substeps] = [self.span, self.substeps].map(u64::from);

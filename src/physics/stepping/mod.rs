@@ -90,7 +90,7 @@ pub(super) fn advance<R: Real>(
         }
         arrive::advance(model, &workspace.contact, part.secs, state);
         sweep::advance(model, part.secs, state);
-        division.take();
+        division.take(&mut recorder.counters);
         division.divide_further(model, plan, state, &mut workspace.forces);
     }
     recorder.leave(ending == Ending::Diverged)
@@ -165,6 +165,8 @@ struct Division {
     bodies_are_near: bool,
     /// Whether points of a mesh come near an obstacle, or an obstacle's edges near a body.
     points_are_near: bool,
+    /// Whether it is divided because of that.
+    is_for_contact: bool,
     /// Whether the smallest part was refused, so that the explicit scheme takes it.
     is_explicit: bool,
     /// Whether the whole substep was refused, as bodies would be torn apart in it.
@@ -221,6 +223,7 @@ impl Division {
             scheme,
             bodies_are_near,
             points_are_near,
+            is_for_contact: parts > 1 && contact_parts.is_some(),
             is_explicit: false,
             tears: false,
         }
@@ -259,7 +262,8 @@ impl Division {
     }
 
     /// Counts a part as taken.
-    fn take(&mut self) {
+    fn take(&mut self, counters: &mut Counters) {
+        counters.contact_parts += u64::from(self.is_for_contact);
         (self.left, self.is_explicit) = (self.left - 1, false);
     }
 

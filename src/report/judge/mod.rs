@@ -281,7 +281,9 @@ impl MotionJudge {
         let secs = self.verdict.simulated_secs;
         self.verdict.work = self.link_forces / self.links.max(1);
         self.verdict.slowed = self.totals.counters.slowed;
-        let rate = self.verdict.work as f64 / secs;
+        // Into how many parts contact of points divides a substep is told before, and may be thousands.
+        let not_told = self.verdict.work.saturating_sub(self.totals.counters.contact_parts);
+        let rate = not_told as f64 / secs;
         // The least work of a body that moves; a sleeping body takes none.
         let least = (1 + SOLVE_WORK) as f64 / simulation.plan().substep_secs();
         if secs <= PREDICTION_SECS {
@@ -307,7 +309,7 @@ impl MotionJudge {
                 return SubstepOutcome::GivenUp;
             }
             self.totals.add(&report);
-            self.link_forces += report.counters.link_forces + report.counters.iterations * self.links;
+            self.link_forces += report.counters.link_forces + report.counters.iterated_links;
             for account in &mut self.accounts {
                 let work = report.counters.obstacle_work_j + report.counters.parting_work_j;
                 account.add_obstacle_work(simulation, report.counters.fastest_surface_m_s, work);

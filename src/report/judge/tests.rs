@@ -326,3 +326,23 @@ fn what_takes_too_long_is_cut_short_and_says_so() {
     let cube = judge::<f32>(&falling_cube(), &lattices(&falling_cube()).expect("sound shapes"), hasty);
     assert!(cube.cut_short && cube.simulated_secs < 0.05, "{cube:?}");
 }
+
+#[test]
+fn work_that_nobody_told_of_is_seen() {
+    let scene = falling_cube();
+    let lattices = lattices(&scene).expect("sound shapes");
+    let patience = Patience { seconds: 1.0, most_link_forces: u64::MAX };
+    let fault = |told: bool| {
+        let mut simulation = Simulation::<f32>::new(&scene, &lattices);
+        let mut motion_judge = MotionJudge::open(&simulation, patience);
+        while motion_judge.verdict.simulated_secs < 0.6 {
+            assert!(motion_judge.substep(&mut simulation), "{:?}", motion_judge.verdict);
+        }
+        let passes = count(200.0 * motion_judge.predicted_work_rate);
+        motion_judge.link_forces += passes * motion_judge.links;
+        motion_judge.totals.counters.contact_parts += if told { passes } else { 0 };
+        motion_judge.substep(&mut simulation);
+        motion_judge.verdict.fault
+    };
+    assert_eq!([true, false].map(fault), [None, Some(Fault::Work)]);
+}

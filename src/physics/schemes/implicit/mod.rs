@@ -144,6 +144,7 @@ impl<R: Real> System<'_, R> {
             return;
         }
         self.start();
+        let links: usize = self.bodies.iter().map(|body| self.model.bodies[*body].link_count()).sum();
         let mut is_rough = !self.is_untouched();
         for round in 1..=MAX_ROUNDS {
             let accuracy = match round {
@@ -155,6 +156,7 @@ impl<R: Real> System<'_, R> {
             let solve = self.iterate(accuracy, &|| recorder.stops());
             recorder.counters.solves += 1;
             recorder.counters.iterations += solve.iterations;
+            recorder.counters.iterated_links += solve.iterations * links as u64;
             if recorder.has_stopped() {
                 return;
             }
