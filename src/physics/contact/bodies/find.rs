@@ -25,8 +25,10 @@ use super::neighbours::{StoredPositions, candidate_cells, cell_bounds};
 use super::points::{PairResult, Penetration, PointsWorkspace};
 use super::predicted::PredictedBody;
 use super::surface_points::SurfacePoints;
-use crate::math::{Aabb, Real};
+use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::{BodyModel, MeshPenetration, Model, Skin};
+use crate::physics::state::State;
+use crate::physics::state::press::Press;
 
 /// A point outside a cell by no more than this, in cells, counts as inside it, and is looked for in no other.
 const ROUNDING_TOLERANCE: f64 = 1e-9;
@@ -41,11 +43,26 @@ const MOSTLY_INSIDE_SHARE: f64 = 0.5;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search<'a, R: Real> {
     pub(super) model: &'a Model<R>,
+    /// The state when it begins.
+    pub(super) state: &'a State<R>,
+    /// Where particles of modal bodies are then, m.
+    pub(super) modal_positions: &'a [DVec3],
     /// Positions of all particles, m.
     pub(super) positions: &'a [DVec3],
     pub(super) bodies: &'a [PredictedBody],
     /// What neighbour lists are made from; without, every point is looked for in every cell.
     pub(super) stored_positions: Option<&'a StoredPositions>,
+}
+
+impl<R: Real> Search<'_, R> {
+    /// Where a particle of a body is when the substep begins, m.
+    fn position_now(&self, body: usize, particle: usize) -> DVec3 {
+        if self.bodies[body].is_modal {
+            self.modal_positions[particle]
+        } else {
+            self.state.position[particle].to_dvec3()
+        }
+    }
 }
 
 /// Finds which points of the body `number` are inside which of all bodies whose cells they may be in.
@@ -106,7 +123,7 @@ fn penetrations<R: Real>(
     candidates: &[CandidatePoint],
     inside_count: usize,
 ) -> impl Iterator<Item = Penetration> {
-    let Search { model, positions, bodies, .. } = search;
+    let Search { model, state, positions, bodies, .. } = search;
     let [points, cells] = [point_body, cell_body].map(|number| &model.bodies[number]);
     let surface_points = SurfacePoints::of(model, [point_body, cell_body]);
     let is_itself = point_body == cell_body;
@@ -123,10 +140,20 @@ fn penetrations<R: Real>(
             surface_points.outward(points, candidate.point, candidate.position, &positions[points.particles.clone()])
         };
         let WayOut { normal, depth, nearer } = way_out(skin, cells, candidate, &cell, away.ok_or_else(outward))?;
+        let (point, own) = surface_points.carried(candidate.point, points.particles.start);
+        let now = Cell(carriers.map(|corner| search.position_now(cell_body, cells.particles.start + corner as usize)));
+        let at = own.mean(|particle| search.position_now(point_body, particle));
+        let place = now.locate(at, candidate.cell_coordinates, cells.lattice.grid.cell_size);
+        if place.is_none() && is_itself {
+            // A body that turned itself by contact with itself would not come to rest.
+            return None;
+        }
+        let known = state.presses.binary_search_by_key(&(point_body, point, cell_body), Press::place);
         Some(Penetration {
             point: candidate.point,
             carriers,
-            cell_coordinates: candidate.cell_coordinates,
+            weights: Cell::weights(place.unwrap_or(candidate.cell_coordinates)),
+            pressed: known.ok().map(|place| state.presses[place].depth_m),
             normal,
             depth,
             nearer,

@@ -209,14 +209,23 @@ fn find_pairs<R: Real>(substep: Substep<'_, R>, modal: &impl ModalBodies, worksp
 
 /// Finds which points of each body meet which cells of others, or of itself.
 fn find_points<R: Real>(substep: Substep<'_, R>, workspace: &mut BodiesWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let Substep { model, plan, .. } = substep;
-    let BodiesWorkspace { predicted_positions, predicted_bodies, stored_positions, pairs, points, .. } = workspace;
+    let Substep { model, plan, state, .. } = substep;
+    let BodiesWorkspace {
+        predicted_positions, modal_positions, predicted_bodies, stored_positions, pairs, points, ..
+    } = workspace;
     if plan.broad_phase {
         stored_positions.update_displacements(plan, model, predicted_positions);
         stored_positions.renew_outdated(model, pairs, predicted_positions);
     }
     let stored_positions = plan.broad_phase.then_some(&*stored_positions);
-    let search = Search { model, positions: predicted_positions, bodies: predicted_bodies, stored_positions };
+    let search = Search {
+        model,
+        state,
+        modal_positions,
+        positions: predicted_positions,
+        bodies: predicted_bodies,
+        stored_positions,
+    };
     team::for_body_ranges(plan.threads, MIN_CONTACT_PARTICLES, model, (&mut points[..], ()), |these, points, ()| {
         for (number, points) in these.zip(points) {
             find::find_points(search, number, points);

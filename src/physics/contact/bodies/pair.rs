@@ -2,14 +2,12 @@
 
 use glam::DVec3;
 
-use super::cell::Cell;
 use super::points::Penetration;
 use super::record::{BodyContact, WeightedParticles};
 use super::surface_points::SurfacePoints;
 use super::workspace::{BodiesWorkspace, MAX_CONTACT_PARTICLES};
-use crate::math::{Real, Vector};
+use crate::math::Real;
 use crate::physics::contact::weighted::{ContactPlane, ModalBodies, PointConstraint, PointLaw, Shares, SpringBefore};
-use crate::physics::state::press::Press;
 use crate::physics::step::substep::Substep;
 
 /// The points of one body that meet cells of another, or of the same.
@@ -30,30 +28,17 @@ impl<R: Real> BodyPair<'_, R> {
         modal: &mut impl ModalBodies,
         workspace: &mut BodiesWorkspace<R>,
     ) {
-        let &Self { substep: Substep { model, state, dt, .. }, point_body, cell_body, .. } = self;
+        let &Self { substep: Substep { model, dt, .. }, point_body, cell_body, .. } = self;
         let [points, cells] = [point_body, cell_body].map(|number| &model.bodies[number]);
         let surface_points = SurfacePoints::of(model, [point_body, cell_body]);
         let (point, own) = surface_points.carried(penetration.point, points.particles.start);
         let carriers = penetration.carriers.map(|corner| cells.particles.start + corner as usize);
-        // With these weights the mean of the cell's particles, where they are now, is the point: no moment is left over.
-        let is_modal = [point_body, cell_body].map(|body| modal.moves(body));
-        let now = |particle: usize, is_modal: bool| {
-            if is_modal { workspace.modal_positions[particle] } else { state.position[particle].to_dvec3() }
-        };
-        let cell = Cell(carriers.map(|carrier| now(carrier, is_modal[1])));
-        let at = own.mean(|particle| now(particle, is_modal[0]));
-        let place = cell.locate(at, penetration.cell_coordinates, cells.lattice.grid.cell_size);
-        if place.is_none() && point_body == cell_body {
-            // A body that turned itself by contact with itself would not come to rest.
-            return;
-        }
-        let cell = WeightedParticles::of_cell(carriers, Cell::weights(place.unwrap_or(penetration.cell_coordinates)));
+        let cell = WeightedParticles::of_cell(carriers, penetration.weights);
         let (shares, leaving_speed) = self.weigh(penetration, [&own, &cell], modal, workspace);
         let movers = &workspace.movers;
         let dt = dt.to_f64();
         let depth = penetration.depth + dt * movers.predicted_velocity(shares).dot(penetration.normal);
-        let known = state.presses.binary_search_by_key(&(point_body, point, cell_body), Press::place);
-        let pressed = depth.min(known.map_or(0.0, |place| state.presses[place].depth_m));
+        let pressed = depth.min(penetration.pressed.unwrap_or(0.0));
         let (spring, gap) = (SpringBefore { depth, pressed, leaving_speed }, -depth);
         let at = ContactPlane { normal: penetration.normal, surface_velocity: DVec3::ZERO };
         let Some(constraint) = PointConstraint::new(&self.law, movers, shares, at, spring, dt) else { return };

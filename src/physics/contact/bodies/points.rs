@@ -36,8 +36,10 @@ pub(super) struct Penetration {
     pub(super) point: u32,
     /// The cell's particles: local numbers.
     pub(super) carriers: [u32; 8],
-    /// The place in the cell.
-    pub(super) cell_coordinates: DVec3,
+    /// Their weights: with these their mean, where they are now, is the point, so that no moment is left over.
+    pub(super) weights: [f64; 8],
+    /// How far the spring was pressed before, m; none where it is a new one.
+    pub(super) pressed: Option<f64>,
     /// Unit normal out of the cell's body.
     pub(super) normal: DVec3,
     /// How deep the point is inside along the normal, m.
