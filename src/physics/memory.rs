@@ -48,7 +48,7 @@ pub fn bytes(bodies: &[LatticeCounts], size: Size) -> u64 {
     let moving = bodies.iter().map(|body| motion_bytes(body, size)).sum::<usize>();
     let implicit = if size.scheme == Some(Scheme::Implicit) { implicit_bytes(bodies) } else { 0 };
     let made = bodies.iter().map(|body| body.particles * CONSTRUCTION_BYTES).max().unwrap_or(0);
-    let strained = bodies.iter().map(|body| body.particles * BYTES_A_PARTICLE).max().unwrap_or(0);
+    let strained = bodies.iter().map(|body| body.particles * BYTES_A_PARTICLE).sum::<usize>();
     let meeting = bodies.iter().map(body_contact_bytes).sum::<usize>() + size.on_mesh * mesh_point_bytes(size);
     (lasting + moving + implicit + made.max(moving) + strained + meeting) as u64
 }

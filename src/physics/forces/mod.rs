@@ -36,8 +36,8 @@ pub(super) struct ForceWorkspace<R: Real> {
     pub(super) threads: usize,
     /// The shares of the threads.
     shares: Vec<Share<R>>,
-    /// Room for the sums over the links of a strained body.
-    pub(super) sums: Sums<R>,
+    /// Room for the sums over the links of strained bodies, an element for each particle of the scene.
+    pub(super) sums: Vec<Sums<R>>,
 }
 
 impl<R: Real> ForceWorkspace<R> {
@@ -53,7 +53,7 @@ impl<R: Real> ForceWorkspace<R> {
             exact: exact_links(model, plan),
             threads: plan.threads,
             shares: shares(model, plan.threads),
-            sums: Sums::with_capacity(model.bodies.iter().map(|body| body.particles.len()).max().unwrap_or(0)),
+            sums: vec![Sums::default(); model.particle_count()],
         }
     }
 

@@ -70,16 +70,15 @@ type Symmetric<R> = [R; 6];
 /// The identity.
 const IDENTITY: Symmetric<f64> = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 
-/// The sums at each particle of a body, stiffness and damping; kept to be filled anew.
-pub(in crate::physics) type Sums<R> = Vec<[Symmetric<R>; 2]>;
+/// The sums at a particle, stiffness and damping.
+pub(in crate::physics) type Sums<R> = [Symmetric<R>; 2];
 
-/// Memory for the sums of a particle of the largest strained body in single precision.
-pub(in crate::physics) const BYTES_A_PARTICLE: usize = size_of::<[Symmetric<f32>; 2]>();
+/// Memory for the sums of a particle in single precision.
+pub(in crate::physics) const BYTES_A_PARTICLE: usize = size_of::<Sums<f32>>();
 
-/// Returns the most that the links of a body add with its particles at `position` (m).
-pub(in crate::physics) fn load<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], sums: &mut Sums<R>) -> LinkLoad {
-    sums.clear();
-    sums.resize(position.len(), [[R::ZERO; 6]; 2]);
+/// Returns the most that the links of a body add with its particles at `position` (m); `sums` has an element for each of them.
+pub(in crate::physics) fn load<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], sums: &mut [Sums<R>]) -> LinkLoad {
+    sums.fill(Sums::default());
     let mobility = |particle: usize| if body.is_pinned(particle) { R::ZERO } else { body.inverse_mass(particle) };
     for family in &body.links {
         for (number, link) in family.links.iter().enumerate() {
@@ -128,7 +127,7 @@ mod tests {
 
     use glam::{DMat3, DQuat, DVec3};
 
-    use super::{MAX_PUSH_LOAD, PUSH_DAMPER_SHARE, largest_eigenvalue, load, parts};
+    use super::{MAX_PUSH_LOAD, PUSH_DAMPER_SHARE, Sums, largest_eigenvalue, load, parts};
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
     use crate::physics::limits::fastest_tests::fastest;
@@ -147,7 +146,7 @@ mod tests {
     }
 
     fn load_of(body: &BodyModel<f64>, position: &[DVec3]) -> LinkLoad {
-        load(body, position, &mut Vec::new())
+        load(body, position, &mut vec![Sums::default(); position.len()])
     }
 
     #[test]

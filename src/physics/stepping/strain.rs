@@ -14,12 +14,14 @@
 use crate::math::Real;
 use crate::physics::forces::strain::{self, StraightMotion};
 use crate::physics::forces::{ForceWorkspace, recovery};
+use crate::physics::limits::LinkLoad;
 use crate::physics::limits::any_state::MAX_PARTS;
-use crate::physics::limits::{LinkLoad, present};
+use crate::physics::limits::present::{self, Sums};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State, Strain};
 use crate::physics::stepping::checks;
+use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// The strain of a body becomes large when any link, stretched or compressed, exceeds the larger of these, and stays so
 /// until all links are below the smaller. Bodies that fall on the ground by their own weight stay below. Where the plan's
@@ -170,13 +172,18 @@ pub(in crate::physics) fn would_tear_bodies<R: Real>(
 #[derive(Clone, Copy)]
 pub(in crate::physics) enum Check<'a> {
     /// Those of strained bodies and of these, before a substep.
-    BeforeSubstep(&'a dyn Fn(usize) -> bool),
+    BeforeSubstep(&'a (dyn Fn(usize) -> bool + Sync)),
     /// Those of all, between two parts of a substep: it does not count as one more calm substep.
     WithinSubstep,
 }
 
 impl Check<'_> {
-    /// Whether a body's links are checked even if it is not strained.
+    /// Whether a body's links are checked.
+    fn covers(self, body: usize, memory: &BodyMemory) -> bool {
+        !memory.asleep && (memory.strain > Strain::Small || self.is_due(body))
+    }
+
+    /// Whether they are checked even if it is not strained.
     fn is_due(self, body: usize) -> bool {
         match self {
             Self::BeforeSubstep(is_due) => is_due(body),
@@ -196,8 +203,7 @@ pub(in crate::physics) fn check_strain<R: Real>(
     forces: &mut ForceWorkspace<R>,
 ) -> u32 {
     let calm_substeps = checks::substeps_in(plan, CALM_SECS, libm::ceil).max(CALM_SUBSTEPS);
-    let is_checked =
-        |body: usize, memory: &BodyMemory| !memory.asleep && (memory.strain > Strain::Small || check.is_due(body));
+    let is_checked = |body: usize, memory: &BodyMemory| check.covers(body, memory);
     forces.find_strained(model, memories, plan.simd, motion, |body| {
         let memory = &memories[body];
         is_checked(body, memory).then_some(match memory.strain {
@@ -230,15 +236,7 @@ pub(in crate::physics) fn check_strain<R: Real>(
             }
         }
     }
-    for (number, memory) in memories.iter_mut().enumerate().filter(|(number, memory)| is_checked(*number, memory)) {
-        let body = &model.bodies[number];
-        if memory.strain == Strain::Small {
-            memory.load = LinkLoad::default();
-        } else if check.is_due(number) || memory.load == LinkLoad::default() {
-            let now = present::load(body, motion.of(body).position, &mut forces.sums);
-            memory.load = now.larger_of(memory.load.times(LOAD_DECAY));
-        }
-    }
+    update_loads(model, plan, check, motion.position, memories, &mut forces.sums);
     let strained =
         model.bodies.iter().zip(memories).filter(|(_, memory)| !memory.asleep && memory.strain > Strain::Small);
     let max_displacement = strained.fold(0.0, |most: f64, (body, _)| {
@@ -252,4 +250,30 @@ pub(in crate::physics) fn check_strain<R: Real>(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count from zero up, saturating")]
     let parts = libm::ceil(max_displacement / MAX_LINK_DISPLACEMENT) as u32;
     parts.max(1)
+}
+
+/// Finds the load of the links of the bodies that are checked, at these positions (m).
+fn update_loads<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    check: Check<'_>,
+    position: &[R::Vec3],
+    memories: &mut [BodyMemory],
+    sums: &mut [Sums<R>],
+) {
+    let of_all = (memories, sums);
+    team::for_body_ranges(plan.threads, MIN_CONTACT_PARTICLES, model, of_all, |these, memories, sums| {
+        let first = model.bodies.get(these.start).map_or(0, |body| body.particles.start);
+        for (number, memory) in these.zip(memories).filter(|(number, memory)| check.covers(*number, memory)) {
+            let body = &model.bodies[number];
+            if memory.strain == Strain::Small {
+                memory.load = LinkLoad::default();
+            } else if check.is_due(number) || memory.load == LinkLoad::default() {
+                let own = body.particles.clone();
+                let sums = &mut sums[own.start - first..own.end - first];
+                let now = present::load(body, &position[own], sums);
+                memory.load = now.larger_of(memory.load.times(LOAD_DECAY));
+            }
+        }
+    });
 }
