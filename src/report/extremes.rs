@@ -12,7 +12,9 @@ use crate::geometry::Lattice;
 use crate::math::rng::Rng;
 use crate::scene::body::{Body, CellsShape, CubeShape, Inlay, ModelShape, PinBox, Pose};
 use crate::scene::material::{Material, Solid, Spring, Springs};
-use crate::scene::obstacle::{Capsule, ContactStiffness, Cuboid, Cylinder, Plane, Sphere};
+use crate::scene::obstacle::{
+    Capsule, ContactStiffness, Cuboid, Cylinder, Mesh, Motion, Oscillate, Plane, Sphere, Turn,
+};
 use crate::scene::resolve::{ResolveError, resolve};
 use crate::scene::settings::{EARTH_GRAVITY, Integrator};
 use crate::scene::{ContactOn, Obstacle, ObstacleShape, Scene, Shape, builtin};
@@ -29,11 +31,21 @@ const BODY_CONTACT_SHARE: f64 = 0.8;
 /// The share of scenes whose models meet other bodies with their mesh.
 const MESH_CONTACT_SHARE: f64 = 0.5;
 
+/// The share of scenes with a model among the obstacles, ...
+const MESH_OBSTACLE_SHARE: f64 = 0.4;
+
+/// ... and of those with an obstacle that moves by itself.
+const MOVING_OBSTACLE_SHARE: f64 = 0.25;
+
 /// The largest ratio of masses between two bodies, and between the two materials of a body.
 const MAX_MASS_RATIO: f64 = 1000.0;
 
 /// The carried models that scenes are made of. Adding a model would change the scenes of every seed.
 const MODELS: [&str; 5] = ["bowl.obj", "comb.obj", "coupler.obj", "spot.obj", "tree.obj"];
+
+/// Those that obstacles are made of: closed and open, smooth and with edges.
+const OBSTACLE_MODELS: [&str; 7] =
+    ["bowl.obj", "chair.obj", "comb.obj", "coupler.obj", "shell.obj", "spot.obj", "tree.obj"];
 
 /// How long a random scene is watched. Most scenes take a hundredth of the link forces at which one is cut short. Of 150
 /// scenes 6 take more, and these took half of the time of all. With a tenth of the limit, 21 were cut short.
@@ -53,6 +65,8 @@ pub enum Edition {
     Third,
     /// As the third; some models meet others with their mesh.
     Fourth,
+    /// As the fourth, with models among the obstacles, and obstacles that turn or swing.
+    Fifth,
 }
 
 /// Random scene `number` of those that follow from `seed`, in automatic stepping.
@@ -62,7 +76,7 @@ pub fn extreme_scene(seed: u64, number: u64) -> Scene {
 
 /// A random scene and its disturbances while time runs.
 pub fn extreme(seed: u64, number: u64) -> (Scene, Vec<Disturbance>) {
-    extreme_of(Edition::Fourth, seed, number)
+    extreme_of(Edition::Fifth, seed, number)
 }
 
 /// A random scene of an edition, and its disturbances.
@@ -99,12 +113,16 @@ pub fn extreme_of(edition: Edition, seed: u64, number: u64) -> (Scene, Vec<Distu
     if edition != Edition::First {
         RandomSource(Rng::new(seeds.next_u64())).closed_forms(&mut scene, size);
     }
-    if matches!(edition, Edition::Third | Edition::Fourth) {
+    if !matches!(edition, Edition::First | Edition::Second) {
         RandomSource(Rng::new(seeds.next_u64())).other_springs(&mut scene, cell_size, size);
     }
-    if edition == Edition::Fourth && RandomSource(Rng::new(seeds.next_u64())).chance(MESH_CONTACT_SHARE) {
+    let has_meshes = matches!(edition, Edition::Fourth | Edition::Fifth);
+    if has_meshes && RandomSource(Rng::new(seeds.next_u64())).chance(MESH_CONTACT_SHARE) {
         let models = scene.bodies.iter_mut().filter(|body| matches!(body.shape, Shape::Model(_)));
         models.for_each(|body| body.contact_on = ContactOn::Mesh);
+    }
+    if edition == Edition::Fifth {
+        RandomSource(Rng::new(seeds.next_u64())).meshes_and_motions(&mut scene, size);
     }
     let disturbances = disturb::disturbances(&mut more, &scene, size);
     (scene, disturbances)
@@ -264,6 +282,32 @@ impl RandomSource {
         }
     }
 
+    /// Adds a model to the obstacles of some scenes, and lets one obstacle of some move.
+    fn meshes_and_motions(&mut self, scene: &mut Scene, size: f64) {
+        if self.chance(MESH_OBSTACLE_SHARE) {
+            let path = format!("{}{}", builtin::PREFIX, self.one_of(&OBSTACLE_MODELS));
+            let (center, rotation_deg) = (self.vector(0.5 * size), self.vector(180.0));
+            let length = (self.log_uniform(-1.0, 0.7) * size).clamp(1e-3, 1e3);
+            let mesh = Mesh { path, center, rotation_deg, length, ..Mesh::default() };
+            scene.obstacles.push(self.obstacle(ObstacleShape::Mesh(mesh)));
+        }
+        if self.chance(MOVING_OBSTACLE_SHARE) {
+            let axis = self.direction();
+            let motion = if self.chance(0.5) {
+                let sign = if self.chance(0.5) { 1.0 } else { -1.0 };
+                Motion::Turn(Turn { axis, turns_per_sec: sign * self.log_uniform(-2.0, 1.3) })
+            } else {
+                let amplitude = (self.log_uniform(-2.0, 0.3) * size).min(100.0);
+                Motion::Oscillate(Oscillate { axis, amplitude, period_secs: self.log_uniform(-1.0, 1.0) })
+            };
+            let last = scene.obstacles.len() - 1;
+            let number = self.integer(0, i32::try_from(last).unwrap_or(0));
+            if let Some(obstacle) = scene.obstacles.get_mut(usize::try_from(number).unwrap_or(0)) {
+                obstacle.motion = Some(motion);
+            }
+        }
+    }
+
     fn obstacle(&mut self, shape: ObstacleShape) -> Obstacle {
         let stiffness = match self.integer(0, 4) {
             0 => ContactStiffness::Given(self.log_uniform(-2.0, 9.0)),
@@ -355,6 +399,16 @@ mod tests {
     }
 
     #[test]
+    fn the_fifth_edition_adds_models_and_motions_to_obstacles_alone() {
+        for number in 0..200 {
+            let [fourth, mut fifth] = [Edition::Fourth, Edition::Fifth].map(|edition| extreme_of(edition, 3, number).0);
+            fifth.obstacles.retain(|obstacle| !matches!(obstacle.shape, ObstacleShape::Mesh(_)));
+            fifth.obstacles.iter_mut().for_each(|obstacle| obstacle.motion = None);
+            assert_eq!(fourth, fifth, "scene {number}");
+        }
+    }
+
+    #[test]
     fn there_is_some_of_everything() {
         let scenes: Vec<Scene> = (0..500).map(|number| extreme_scene(3, number)).collect();
         let some = |what: &str, is: &dyn Fn(&Scene) -> bool| {
@@ -375,6 +429,10 @@ mod tests {
         some("boxes", &|scene| has(scene, |shape| matches!(shape, ObstacleShape::Box(_))));
         some("capsules", &|scene| has(scene, |shape| matches!(shape, ObstacleShape::Capsule(_))));
         some("cylinders", &|scene| has(scene, |shape| matches!(shape, ObstacleShape::Cylinder(_))));
+        some("meshes", &|scene| has(scene, |shape| matches!(shape, ObstacleShape::Mesh(_))));
+        let moves = |scene: &Scene, is: fn(&Motion) -> bool| scene.obstacles.iter().any(|o| o.motion.iter().any(is));
+        some("turning obstacles", &|scene| moves(scene, |motion| matches!(motion, Motion::Turn(_))));
+        some("swinging obstacles", &|scene| moves(scene, |motion| matches!(motion, Motion::Oscillate(_))));
         some("more bodies", &|scene| scene.bodies.len() > 2);
         some("bodies that meet", &|scene| scene.bodies.len() > 1 && scene.settings.body_contact);
         some("pins", &|scene| !scene.bodies[0].pins.is_empty());
