@@ -247,6 +247,18 @@ impl Surface {
             }
     }
 
+    /// Whether a point is inside, and farther from the surface than `depth`.
+    pub fn holds_deep(&self, at: DVec3, depth: f64) -> bool {
+        match self.field.bound(at) {
+            Bound::Outside(_) => false,
+            Bound::Near { max_distance, .. } if max_distance <= depth => false,
+            Bound::Inside | Bound::Near { .. } => {
+                let nearest = self.nearest(at);
+                self.is_closed && nearest.is_within(at) && nearest.distance > depth
+            }
+        }
+    }
+
     /// Finds where the line `from + t displacement`, t from 0 to 1, first crosses the surface; with `from_outside`, only
     /// faces that it meets from outside count.
     pub fn pierced(&self, from: DVec3, displacement: DVec3, from_outside: bool) -> Option<Pierced> {

@@ -68,6 +68,10 @@ fn the_grid_of_distances_changes_nothing_but_time() {
                 assert_eq!(surface.nearest_beside(at, known, 0.0), (searched, 0.0), "{at}, beside triangle {known}");
             }
             assert_eq!(surface.holds(at), searched.is_within(at), "{at}");
+            for depth in [0.0, 0.01, 0.1, 0.3] {
+                let is_deep = searched.is_within(at) && searched.distance > depth;
+                assert_eq!(surface.holds_deep(at, depth), is_deep, "{at}, {depth}");
+            }
         }
     }
 }

@@ -41,7 +41,7 @@ const MAX_BUCKETS: usize = 1 << 13;
 
 /// Points by the bucket they are in, ascending in each.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Buckets {
+pub(in crate::physics::contact) struct Buckets {
     low: DVec3,
     per_metre: f64,
     dims: [usize; 3],
@@ -52,7 +52,7 @@ pub(super) struct Buckets {
 
 impl Buckets {
     /// Makes room for this many points, in as many buckets as they fill if they are on the outside of a body.
-    pub(super) fn new(points: usize) -> Self {
+    pub(in crate::physics::contact) fn new(points: usize) -> Self {
         Self {
             starts: Vec::with_capacity((4 * points).min(MAX_BUCKETS) + 1),
             order: Vec::with_capacity(points),
@@ -61,7 +61,12 @@ impl Buckets {
     }
 
     /// Sorts points that are in a box into buckets as large as cells of `cell_size` (m), or larger where those are too many.
-    pub(super) fn sort(&mut self, candidates: &[CandidatePoint], bounds: &Aabb<f64>, cell_size: f64) {
+    pub(in crate::physics::contact) fn sort(
+        &mut self,
+        candidates: &[CandidatePoint],
+        bounds: &Aabb<f64>,
+        cell_size: f64,
+    ) {
         let (extent, mut size) = (bounds.max - bounds.min, cell_size);
         loop {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
@@ -97,7 +102,7 @@ impl Buckets {
     }
 
     /// The points in the buckets that a box meets, by their places in what was sorted.
-    pub(super) fn near(&self, bounds: &Aabb<f64>) -> impl Iterator<Item = usize> {
+    pub(in crate::physics::contact) fn near(&self, bounds: &Aabb<f64>) -> impl Iterator<Item = usize> {
         self.rows(bounds).flat_map(|row| self.order[row].iter().copied())
     }
 

@@ -45,7 +45,7 @@ mod record;
 mod surface_points;
 mod workspace;
 
-pub(in crate::physics::contact) use buckets::CandidatePoint;
+pub(in crate::physics::contact) use buckets::{Buckets, CandidatePoint};
 pub(in crate::physics::contact) use cell::Cell;
 pub(in crate::physics::contact) use find::{CandidateCell, WayOut, way_out};
 pub(in crate::physics) use law::pair_law;

@@ -10,7 +10,7 @@ mod round;
 pub(super) mod sphere;
 
 use super::surface::Surface;
-use crate::math::Real;
+use crate::math::{Real, Vector};
 use crate::physics::model::ObstacleShape;
 
 /// Returns the surface as met by a particle that starts at `from`, moves by `path` past the obstacle, and touched a plane or
@@ -21,5 +21,14 @@ pub(super) fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, p
         ObstacleShape::Sphere { center, radius } => sphere::meet(*center, *radius, from, path),
         ObstacleShape::Oriented(oriented) => oriented::meet(oriented, from, path),
         ObstacleShape::Mesh(mesh) => mesh::meet(mesh, side, from, path, &mut mesh::NearestPointCache::default()),
+    }
+}
+
+/// Whether a point is inside a closed obstacle, deeper than `depth` (m).
+pub(super) fn is_deeper<R: Real>(shape: &ObstacleShape<R>, at: R::Vec3, depth: R) -> bool {
+    match shape {
+        ObstacleShape::Plane(_) => false,
+        ObstacleShape::Mesh(mesh) => mesh.surface.holds_deep(mesh.in_local_frame(at), depth.to_f64() / mesh.length),
+        _ => meet(shape, 0, at, R::Vec3::ZERO).is_some_and(|surface| surface.gap < -depth),
     }
 }

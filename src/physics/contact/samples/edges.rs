@@ -59,6 +59,8 @@ pub(super) fn find_contacts<R: Real>(
             let dt = dt.to_f64();
             let at_end = position.iter().zip(velocity).map(|(at, v)| at.to_dvec3() + v.to_dvec3() * dt);
             workspace.edges.predicted.extend(at_end);
+            workspace.edges.deep.clear();
+            workspace.edges.deep.resize(position.len(), None);
         }
         counters.narrow_tests += locate(body, &mut workspace.edges);
         add_contacts(substep, number, obstacle, velocity, workspace);
@@ -110,14 +112,18 @@ fn find_candidates<R: Real>(
 }
 
 /// Finds the cells near the outside of a body that the candidates are in. Returns the number of tests.
-fn locate<R: Real>(body: &BodyModel<R>, EdgesWorkspace { predicted, candidates, .. }: &mut EdgesWorkspace) -> u64 {
-    let all = Aabb::around(candidates.iter().map(|candidate| candidate.position));
+fn locate<R: Real>(body: &BodyModel<R>, workspace: &mut EdgesWorkspace) -> u64 {
+    let EdgesWorkspace { predicted, candidates, buckets, .. } = workspace;
+    let (all, size) =
+        (Aabb::around(candidates.iter().map(|candidate| candidate.position)), body.lattice.grid.cell_size);
+    buckets.sort(candidates, &all, size);
     let mut tests = 0;
     for &cell in &body.hull().outer_cells {
-        let mut cell = CandidateCell::new(body, cell, predicted, body.lattice.grid.cell_size);
-        if cell.bounds.overlaps(&all) {
-            for candidate in &mut *candidates {
-                tests += u64::from(cell.test(candidate));
+        let mut cell = CandidateCell::new(body, cell, predicted, size);
+        let bounds = cell.bounds;
+        if bounds.overlaps(&all) {
+            for place in buckets.near(&bounds) {
+                tests += u64::from(cell.test(&mut candidates[place]));
             }
         }
     }
@@ -137,7 +143,10 @@ fn add_contacts<R: Real>(
     let (start, size) = (body.particles.start, body.lattice.grid.cell_size);
     let skin = body.samples_among_bodies().and_then(|samples| samples.skin.as_ref());
     let SamplesWorkspace {
-        edges: EdgesWorkspace { predicted, candidates, points }, found_pairs, found_contacts, ..
+        edges: EdgesWorkspace { predicted, candidates, points, deep, .. },
+        found_pairs,
+        found_contacts,
+        ..
     } = workspace;
     let found = candidates.iter().zip(&*points).filter(|(candidate, _)| candidate.is_inside());
     let found = found.filter_map(|(candidate, point)| {
@@ -151,8 +160,12 @@ fn add_contacts<R: Real>(
         let of_cell = of_cell.map(|(corner, weight)| velocity[*corner as usize].to_dvec3() * weight).sum::<DVec3>();
         let past = surface_velocity - of_cell;
         let outward = if point.outward == DVec3::ZERO { past.normalize_or_zero() } else { point.outward };
-        let mut carriers = corners.iter().map(|corner| start + *corner as usize);
-        if body.samples.is_none() && carriers.any(|particle| is_deep_inside(substep, number, particle)) {
+        // Many points are in cells that share particles.
+        let mut is_deep = |corner: &u32| {
+            let particle = start + *corner as usize;
+            *deep[*corner as usize].get_or_insert_with(|| is_deep_inside(substep, number, particle))
+        };
+        if body.samples.is_none() && corners.iter().any(&mut is_deep) {
             return None;
         }
         let cell = Cell(corners.map(|corner| predicted[corner as usize]));
@@ -183,8 +196,7 @@ fn is_deep_inside<R: Real>(substep: Substep<'_, R>, number: usize, particle: usi
     let at = substep.state.position[particle];
     substep.model.bodies[number].contacts.iter().enumerate().any(|(obstacle, contact)| {
         let met = substep.obstacles.for_body(number, obstacle);
-        let has_inside = met.shape.side_row().is_none() && met.bounds.holds(at);
-        let depth_limit = contact.depth_limit * R::from_f64(DEEP_RATIO);
-        has_inside && narrow::meet(&met.shape, 0, at, R::Vec3::ZERO).is_some_and(|surface| surface.gap < -depth_limit)
+        let depth = contact.depth_limit * R::from_f64(DEEP_RATIO);
+        met.bounds.holds(at) && narrow::is_deeper(&met.shape, at, depth)
     })
 }

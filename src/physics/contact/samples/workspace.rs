@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::clearance::Clearances;
 use super::record::SampleContact;
 use crate::math::Real;
-use crate::physics::contact::bodies::CandidatePoint;
+use crate::physics::contact::bodies::{Buckets, CandidatePoint};
 use crate::physics::contact::narrow::mesh::NearestPointCache;
 use crate::physics::contact::weighted::{Movers, PartingPush, PointConstraint};
 use crate::physics::model::plan::Plan;
@@ -45,6 +45,9 @@ pub(super) struct EdgesWorkspace {
     pub(super) candidates: Vec<CandidatePoint>,
     /// For each of them.
     pub(super) points: Vec<EdgePoint>,
+    pub(super) buckets: Buckets,
+    /// Whether each particle of the body is deep in an obstacle, where that is known.
+    pub(super) deep: Vec<Option<bool>>,
 }
 
 impl EdgesWorkspace {
@@ -52,7 +55,13 @@ impl EdgesWorkspace {
         let room = model.edge_room();
         let largest = model.bodies.iter().map(|body| body.particles.len()).max().unwrap_or(0);
         let predicted = Vec::with_capacity(if room > 0 { largest } else { 0 });
-        Self { predicted, candidates: Vec::with_capacity(room), points: Vec::with_capacity(room) }
+        Self {
+            predicted,
+            candidates: Vec::with_capacity(room),
+            points: Vec::with_capacity(room),
+            buckets: Buckets::new(room),
+            deep: Vec::with_capacity(if room > 0 { largest } else { 0 }),
+        }
     }
 }
 
