@@ -21,7 +21,7 @@ use crate::support::{cube, falling, lattices, run, simulate, springs};
 const DEEPEST: f64 = 0.0201;
 
 /// A mesh as an obstacle, not turned.
-fn obstacle(mesh: &TriMesh) -> ObstacleShape {
+pub(crate) fn obstacle(mesh: &TriMesh) -> ObstacleShape {
     let surface = Arc::new(Surface::new(mesh).expect("a surface"));
     let center = mesh.bounds().center().to_array();
     let mut shape = Mesh { path: "in memory".to_owned(), center, length: 0.0, ..Mesh::default() };

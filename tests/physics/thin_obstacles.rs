@@ -1,12 +1,15 @@
 //! Obstacles that are narrower than a cell, and their edges, do not pass between the particles of a body.
 
+use gelatin::geometry::TriMesh;
 use gelatin::physics::{SimdLevel, Simulation};
 use gelatin::scene::obstacle::{Capsule, Cuboid, Cylinder, Motion, Oscillate, Plane, Sphere};
 use gelatin::scene::settings::Integrator;
 use gelatin::scene::{Material, Obstacle, ObstacleShape, Scene};
+use glam::{DQuat, DVec3};
 
 use crate::determinism::{allocations, within};
 use crate::mesh_contact::ball_on;
+use crate::mesh_obstacles;
 use crate::support::{cube, falling, run, springs};
 
 /// Five cells an edge: the middle is between the rows of particles, 0.1 m from each.
@@ -16,8 +19,24 @@ fn obstacle(shape: ObstacleShape) -> Obstacle {
     Obstacle { shape, ..Obstacle::default() }
 }
 
-/// A wall, a rod, a grid of rods, the rim of a plane, a spike and a pole, all with their tops at a height of 1 m, and a row of
-/// small balls.
+/// The model of a ring of smooth wire about z.
+fn ring() -> TriMesh {
+    let [around, across] = [64_u32, 12];
+    let angle = |number: u32, of: u32| std::f64::consts::TAU * f64::from(number) / f64::from(of);
+    let mut mesh = TriMesh::default();
+    for number in 0..around * across {
+        let turn = DQuat::from_rotation_z(angle(number / across, around));
+        let (up, out) = angle(number % across, across).sin_cos();
+        mesh.positions.push(turn * DVec3::new(0.47 + 0.03 * out, 0.0, 0.03 * up));
+        let corner = |i: u32, j: u32| (number / across + i) % around * across + (number % across + j) % across;
+        let corners = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+        mesh.triangles.extend([[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]]);
+    }
+    mesh
+}
+
+/// A wall, a rod, a grid of rods, the rim of a plane, a spike and a pole, a row of small balls, and one of rings, all with their
+/// tops at a height of 1 m.
 fn thin_obstacles() -> Vec<(&'static str, Vec<Obstacle>)> {
     let wall = Cuboid { center: [0.0, 0.5, 0.0], half_extents: [0.01, 0.5, 2.0], ..Cuboid::default() };
     let rod = Capsule { center: [0.0, 0.97, 0.0], rotation_deg: [90.0, 0.0, 0.0], radius: 0.03, half_height: 2.0 };
@@ -31,6 +50,11 @@ fn thin_obstacles() -> Vec<(&'static str, Vec<Obstacle>)> {
     let spike = Capsule { center: [0.0, 0.5, 0.0], radius: 0.03, half_height: 0.47, ..Capsule::default() };
     let pole = Cylinder { center: [0.0, 0.5, 0.0], radius: 0.05, half_height: 0.5, ..Cylinder::default() };
     let ball = |number: i32| Sphere { center: [0.0, 0.95, 0.2 * f64::from(number)], radius: 0.05 };
+    let ring_at = |number: i32| {
+        let mut ring = mesh_obstacles::obstacle(&ring());
+        *ring.center_mut() = [0.0, 0.5, 0.2 * f64::from(number)];
+        ring
+    };
     vec![
         ("wall", vec![obstacle(ObstacleShape::Box(wall))]),
         ("rod", vec![obstacle(ObstacleShape::Capsule(rod))]),
@@ -38,6 +62,7 @@ fn thin_obstacles() -> Vec<(&'static str, Vec<Obstacle>)> {
         ("rim", vec![obstacle(ObstacleShape::Plane(rim))]),
         ("spike", vec![obstacle(ObstacleShape::Capsule(spike))]),
         ("pole", vec![obstacle(ObstacleShape::Cylinder(pole))]),
+        ("rings", (-2..=2).map(|number| obstacle(ring_at(number))).collect()),
         ("balls", (-2..=2).map(|number| obstacle(ObstacleShape::Sphere(ball(number)))).collect()),
     ]
 }

@@ -5,28 +5,23 @@
 //! that are narrower than a cell, meet the cells of bodies ([`crate::physics::contact`], `samples`).
 //!
 //! ```text
-//! plane       its rim                             box, mesh    where faces meet at more than SHARP_ANGLE_DEG, corners; the
-//! ball, capsule, cylinder                                      rim of an open mesh
+//! plane       its rim                             box    where faces meet, corners
+//! ball, capsule, cylinder                         mesh   see `mesh_edges`
 //!             lines and points all over, if narrower than a cell
 //! ```
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
 
-use crate::geometry::Surface;
 use crate::math::Real;
-use crate::physics::model::{Edge, Edges, MeshModel, ObstacleShape, OrientedForm};
+use crate::physics::model::{Edge, Edges, ObstacleShape, OrientedForm};
 
 /// Points on an edge are this share of the smallest cell apart.
 const SPACING: f64 = 0.5;
 
 /// Most points of an edge: beyond that they are further apart.
 const MAX_POINTS_AN_EDGE: f64 = 1e6;
-
-/// Faces that meet at a smaller angle have no edge between them.
-const SHARP_ANGLE_DEG: f64 = 30.0;
-
-/// Corners above a face by less than this share of a mesh's length are on it.
-const ROUNDING_SHARE: f64 = 1e-9;
 
 /// Lines along a thin rod, and points around its ends.
 const LINES_AROUND: u32 = 6;
@@ -50,7 +45,7 @@ const AROUND_BALL: [[i8; 3]; 14] = [
 ];
 
 /// The sizes of the cells of all bodies, m.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct CellSizes {
     pub(super) smallest: f64,
     pub(super) largest: f64,
@@ -68,7 +63,7 @@ impl CellSizes {
 
 /// The edges of an obstacle among bodies of these cells.
 pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, cells: CellSizes) -> Edges {
-    let mut list = EdgeList { spacing: SPACING * cells.smallest, edges: Vec::new() };
+    let mut list = EdgeList::new(SPACING * cells.smallest);
     let is_thin = |radius: f64| 2.0 * radius < cells.largest;
     match shape {
         ObstacleShape::Plane(plane) => list.add_rim(plane.half_extents.map(Real::to_f64)),
@@ -97,18 +92,65 @@ pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, cells: CellSizes) -> Edge
                 list.add_cylinder(radius, half_height, is_thin(radius));
             }
         },
-        ObstacleShape::Mesh(mesh) => list.add_mesh(mesh),
+        ObstacleShape::Mesh(mesh) => list.add_mesh(mesh, cells.largest),
     }
     Edges::new(list.edges)
 }
 
-struct EdgeList {
+/// The edges of an obstacle as they are found.
+pub(super) struct EdgeList {
     /// Between points, m.
-    spacing: f64,
+    pub(super) spacing: f64,
     edges: Vec<Edge>,
+    /// The places of points and of edges no longer than the distance of points.
+    places: Places,
+}
+
+/// Places by the cube that they are in, the axis along which they face most and the way along it. Of those that have all in common
+/// one is taken: a model that is smaller than a cell may have thousands of edges.
+#[derive(Debug)]
+pub(super) struct Places {
+    cube: f64,
+    known: BTreeSet<([i64; 3], usize, bool)>,
+}
+
+impl Places {
+    /// None yet, in cubes of this size, m.
+    pub(super) fn new(cube: f64) -> Self {
+        Self { cube, known: BTreeSet::new() }
+    }
+
+    /// Adds a place. Returns whether it is the first that faces this way in its cube.
+    #[expect(clippy::cast_possible_truncation, reason = "saturating")]
+    pub(super) fn insert(&mut self, at: DVec3, outward: DVec3) -> bool {
+        let cube = (at / self.cube).floor().to_array().map(|along| along as i64);
+        let axis = outward.abs().max_position();
+        self.known.insert((cube, axis, outward[axis] < 0.0))
+    }
 }
 
 impl EdgeList {
+    fn new(spacing: f64) -> Self {
+        Self { spacing, edges: Vec::new(), places: Places::new(spacing) }
+    }
+
+    /// Adds a point unless there is one beside it that leads out the same way.
+    pub(super) fn add_place(&mut self, at: DVec3, outward: DVec3) {
+        if self.places.insert(at, outward) {
+            self.add_point(at, outward);
+        }
+    }
+
+    /// Adds an edge, or a place if it is shorter than the distance of points.
+    pub(super) fn add_stretch(&mut self, ends: [DVec3; 2], outward: DVec3) {
+        if (ends[1] - ends[0]).length() < self.spacing {
+            self.add_place(0.5 * (ends[0] + ends[1]), outward);
+        } else {
+            self.add(ends, outward);
+        }
+    }
+
+    /// Adds an edge and the way out of the obstacle there.
     fn add(&mut self, ends: [DVec3; 2], outward: DVec3) {
         let parts = ((ends[1] - ends[0]).length() / self.spacing).ceil().clamp(1.0, MAX_POINTS_AN_EDGE);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and a million")]
@@ -116,6 +158,7 @@ impl EdgeList {
         self.edges.push(Edge { ends, outward, first: 0, count });
     }
 
+    /// Adds a point.
     fn add_point(&mut self, at: DVec3, outward: DVec3) {
         self.add([at; 2], outward);
     }
@@ -193,48 +236,11 @@ impl EdgeList {
             self.add_rod(radius, half_height);
         }
     }
-
-    /// Where faces of a mesh meet at an angle, and the rim of an open one.
-    fn add_mesh<R: Real>(&mut self, mesh: &MeshModel<R>) {
-        let surface: &Surface = &mesh.surface;
-        let flat = libm::cos(SHARP_ANGLE_DEG.to_radians());
-        let at = |vertex: u32| surface.positions()[vertex as usize] * mesh.length;
-        let normals = surface.normals();
-        for (number, (triangle, beside)) in (0_u32..).zip(surface.triangles().iter().zip(surface.neighbours())) {
-            let normal = normals[number as usize];
-            for side in 0..3 {
-                let ends = [at(triangle[side]), at(triangle[(side + 1) % 3])];
-                let apex = at(triangle[(side + 2) % 3]);
-                let Some(other) = normals.get(beside[side] as usize) else {
-                    let away = (ends[1] - ends[0]).cross(normal);
-                    let outward = if away.dot(apex - ends[0]) > 0.0 { -away } else { away };
-                    self.add(ends, outward.normalize_or_zero());
-                    continue;
-                };
-                let is_first = number < beside[side];
-                let is_sharp = normal.dot(*other) < flat;
-                if !(is_first && is_sharp) {
-                    continue;
-                }
-                // Where the other face falls away from this one, the edge points outwards; the edges of a notch are met by nobody.
-                let far = surface.triangles()[beside[side] as usize].map(at);
-                let is_convex = far.iter().all(|far| (*far - ends[0]).dot(normal) <= ROUNDING_SHARE * mesh.length);
-                if is_convex || !surface.is_closed() {
-                    let outward = (normal + *other).normalize_or_zero() * if is_convex { 1.0 } else { -1.0 };
-                    self.add(ends, outward);
-                    for end in ends {
-                        self.add_point(end, outward);
-                    }
-                }
-            }
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::TriMesh;
     use crate::physics::compile::obstacles::obstacles;
     use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Plane, Sphere};
     use crate::scene::{self, Obstacle};
@@ -242,7 +248,7 @@ mod tests {
     const CELLS: CellSizes = CellSizes { smallest: 0.1, largest: 0.2 };
 
     fn of(shape: scene::ObstacleShape) -> Vec<Edge> {
-        let made = obstacles::<f64>(&[Obstacle { shape, ..Obstacle::default() }], Some(CELLS));
+        let made = obstacles::<f64>(&[Obstacle { shape, ..Obstacle::default() }], Some(CELLS), None);
         made[0].edges.near(|_, _| true).copied().collect()
     }
 
@@ -295,41 +301,5 @@ mod tests {
             let middle = 0.5 * (edge.ends[0] + edge.ends[1]);
             assert!(middle.y == 0.0 && middle.normalize().dot(edge.outward) > 1.0 - 1e-12, "{edge:?}");
         }
-    }
-
-    fn of_mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Edge> {
-        let mesh =
-            TriMesh { positions: positions.iter().map(|at| DVec3::from(*at)).collect(), triangles: triangles.to_vec() };
-        let surface = std::sync::Arc::new(Surface::new(&mesh).expect("a sound surface"));
-        let turned = [DVec3::X, DVec3::Y, DVec3::Z];
-        let model =
-            MeshModel::<f64> { center: DVec3::ZERO, axes: turned, length: 1.0, surface, side_row: None, place: 0 };
-        edges(&ObstacleShape::Mesh(model), CELLS).near(|_, _| true).copied().collect()
-    }
-
-    #[test]
-    fn a_mesh_has_edges_where_its_faces_fall_away_and_at_its_rim() {
-        // A wedge of two faces over an edge along z, open below.
-        let roof = |height: f64| {
-            let corners = [
-                [0.0, height, 0.0],
-                [0.0, height, 1.0],
-                [0.5, 0.0, 0.0],
-                [0.5, 0.0, 1.0],
-                [-0.5, 0.0, 0.0],
-                [-0.5, 0.0, 1.0],
-            ];
-            of_mesh(&corners, &[[0, 1, 2], [1, 3, 2], [0, 4, 1], [1, 4, 5]])
-        };
-        let is_ridge = |edge: &&Edge| {
-            let [a, b] = edge.ends;
-            a.x.abs() < 1e-9 && b.x.abs() < 1e-9 && edge.count > 1
-        };
-        let steep = roof(1.0);
-        let ridge: Vec<_> = steep.iter().filter(is_ridge).collect();
-        assert!(ridge.len() == 1 && ridge[0].outward.y > 0.99, "{ridge:?}");
-        assert_eq!(roof(0.05).iter().filter(is_ridge).count(), 0, "a flat roof has no ridge");
-        let rim = steep.iter().filter(|edge| edge.count > 1 && !is_ridge(edge));
-        assert_eq!(rim.count(), 6, "the rim");
     }
 }

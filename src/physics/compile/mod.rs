@@ -5,6 +5,7 @@ mod assembly;
 mod edges;
 mod kinds;
 mod link_classes;
+mod mesh_edges;
 mod modal;
 mod obstacles;
 pub(in crate::physics) mod other_form;
@@ -138,7 +139,7 @@ pub(super) fn compile<R: Real>(
     let cells = CellSizes::of(lattices.iter().map(|lattice| lattice.grid.cell_size));
     let mut model = Model {
         bodies: Vec::new(),
-        obstacles: obstacles::obstacles(&scene.obstacles, cells),
+        obstacles: obstacles::obstacles(&scene.obstacles, cells, before),
         gravity: R::Vec3::from_dvec3(gravity),
         fall_limit: None,
     };

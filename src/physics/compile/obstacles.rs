@@ -8,7 +8,7 @@ use super::edges::{CellSizes, edges};
 use crate::math::{Aabb, Real, RigidMotion, Vector, rotation};
 use crate::physics::contact::{DEPTH_SHARE, STIFFNESS_OVER_MASS};
 use crate::physics::model::{
-    ContactModel, Edges, MeshModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel,
+    ContactModel, Edges, MeshModel, Model, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel,
 };
 use crate::scene::obstacle::{Capsule, ContactStiffness, Cylinder, Mesh, Plane};
 use crate::scene::{self, Obstacle};
@@ -40,8 +40,14 @@ pub(super) fn contact<R: Real>(
     }
 }
 
-/// The obstacles of a scene, among bodies with these cells if there are any.
-pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle], cells: Option<CellSizes>) -> Vec<ObstacleModel<R>> {
+/// The obstacles of a scene, among bodies with these cells if there are any. The edges of a mesh that is among those of the
+/// model `before` are taken from there.
+pub(super) fn obstacles<R: Real>(
+    obstacles: &[Obstacle],
+    cells: Option<CellSizes>,
+    before: Option<&Model<R>>,
+) -> Vec<ObstacleModel<R>> {
+    let known = before.filter(|model| cells_of(model) == cells).map_or(&[][..], |model| &model.obstacles);
     let (mut sides, mut meshes) = (0, 0);
     obstacles
         .iter()
@@ -84,7 +90,10 @@ pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle], cells: Option<CellSizes
             let motion = obstacle.motion.map(|motion| motion.rigid());
             let bounds = motion.map_or(bounds, |motion| motion_bounds(&bounds, &motion));
             ObstacleModel {
-                edges: Arc::new(cells.map_or_else(Edges::default, |cells| edges(&shape, cells))),
+                edges: known.iter().find(|known| is_same_mesh(&known.shape, &shape)).map_or_else(
+                    || Arc::new(cells.map_or_else(Edges::default, |cells| edges(&shape, cells))),
+                    |known| Arc::clone(&known.edges),
+                ),
                 shape,
                 motion,
                 carry: None,
@@ -94,6 +103,21 @@ pub(super) fn obstacles<R: Real>(obstacles: &[Obstacle], cells: Option<CellSizes
             }
         })
         .collect()
+}
+
+/// The sizes of the cells of a model's bodies.
+fn cells_of<R: Real>(model: &Model<R>) -> Option<CellSizes> {
+    CellSizes::of(model.bodies.iter().map(|body| body.lattice.grid.cell_size))
+}
+
+/// Whether two obstacles are the same mesh, in whatever place.
+fn is_same_mesh<R: Real>(one: &ObstacleShape<R>, other: &ObstacleShape<R>) -> bool {
+    match (one, other) {
+        (ObstacleShape::Mesh(one), ObstacleShape::Mesh(other)) => {
+            Arc::ptr_eq(&one.surface, &other.surface) && one.length.to_bits() == other.length.to_bits()
+        }
+        _ => false,
+    }
 }
 
 /// The box around all places that the contents of a box come to by their own motion.
