@@ -64,6 +64,8 @@ pub struct Counters {
     pub modal_work: u64,
     /// Work done by moving obstacles, J.
     pub obstacle_work_j: f64,
+    /// The same without the contacts that took energy, J: no body can have got more of it.
+    pub obstacle_gain_j: f64,
     /// Work done to part bodies that were inside each other without having pressed a contact spring, J.
     pub parting_work_j: f64,
     /// The largest speed of an obstacle's surface that a particle met, m/s.
@@ -87,6 +89,13 @@ impl Counters {
     /// The work of the implicit integrator, in iterations.
     pub fn implicit_work(&self) -> u64 {
         self.iterations + SOLVE_WORK * self.solves
+    }
+
+    /// Counts the work (J) of an obstacle in a contact with its surface, which moves at `speed` (m/s).
+    pub(in crate::physics) fn add_obstacle_work(&mut self, work: f64, speed: f64) {
+        self.obstacle_work_j += work;
+        self.obstacle_gain_j += work.max(0.0);
+        self.fastest_surface_m_s = self.fastest_surface_m_s.max(speed);
     }
 
     /// Adds what another stretch of substeps counted.
@@ -115,6 +124,7 @@ impl Counters {
         self.slowed += other.slowed;
         self.modal_work += other.modal_work;
         self.obstacle_work_j += other.obstacle_work_j;
+        self.obstacle_gain_j += other.obstacle_gain_j;
         self.parting_work_j += other.parting_work_j;
         self.fastest_surface_m_s = self.fastest_surface_m_s.max(other.fastest_surface_m_s);
     }

@@ -52,9 +52,8 @@ pub(in crate::physics) fn remember_sides<R: Real>(
             deepest = deepest.max(-contact.gap);
             continue;
         }
-        let counters = &mut recorder.counters;
-        counters.obstacle_work_j += contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
-        counters.fastest_surface_m_s = counters.fastest_surface_m_s.max(contact.surface_velocity.length().to_f64());
+        let work = contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
+        recorder.counters.add_obstacle_work(work, contact.surface_velocity.length().to_f64());
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
         let shape = &obstacles.for_body(number, contact.obstacle).shape;
         let at = state.position[contact.particle];

@@ -176,10 +176,9 @@ impl ModalContacts {
     pub(super) fn count_work(&self, recorder: &mut Recorder<'_>) {
         for contact in &self.contacts {
             let impulse = contact.normal * contact.normal_impulse + contact.friction_impulse;
-            recorder.counters.obstacle_work_j += impulse.dot(contact.surface_velocity);
+            let work = impulse.dot(contact.surface_velocity);
+            recorder.counters.add_obstacle_work(work, contact.surface_velocity.length());
             recorder.counters.frictions += u64::from(contact.normal_impulse > 0.0 && contact.friction[0] > 0.0);
-            let fastest = &mut recorder.counters.fastest_surface_m_s;
-            *fastest = fastest.max(contact.surface_velocity.length());
         }
     }
 

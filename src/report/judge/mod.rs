@@ -38,7 +38,7 @@ use super::disturb::Disturbance;
 use crate::geometry::Lattice;
 use crate::math::{FRAME_SECS, Real};
 use crate::physics::SOLVE_WORK;
-use crate::physics::{Simulation, StageTimer, StepReport};
+use crate::physics::{Counters, Simulation, StageTimer, StepReport};
 use crate::scene::Scene;
 
 /// Energies are means over this much simulated time, s, ...
@@ -310,8 +310,12 @@ impl MotionJudge {
             }
             self.totals.add(&report);
             self.link_forces += report.counters.link_forces + report.counters.iterated_links;
+            // An obstacle that takes energy from one of several bodies takes none from the others.
+            let is_alone = self.accounts.len() == 1;
+            let Counters { obstacle_work_j, obstacle_gain_j, .. } = report.counters;
+            let by_obstacles = if is_alone { obstacle_work_j } else { obstacle_gain_j };
             for account in &mut self.accounts {
-                let work = report.counters.obstacle_work_j + report.counters.parting_work_j;
+                let work = by_obstacles + report.counters.parting_work_j;
                 account.add_obstacle_work(simulation, report.counters.fastest_surface_m_s, work);
             }
             self.record_contacts(simulation.met());

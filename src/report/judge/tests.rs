@@ -58,6 +58,15 @@ fn a_body_that_falls_out_after_it_was_put_back_has_gained_nothing() {
 }
 
 #[test]
+fn what_an_obstacle_takes_from_one_body_is_not_taken_from_another() {
+    // The ground turns slowly and brakes two heavy bodies, beside a light one.
+    let (scene, disturbances) = extreme_of(Edition::Fifth, 2_742_469_007, 2760);
+    let lattices = lattices(&scene).expect("sound shapes");
+    let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, PATIENCE);
+    assert_eq!(verdict.fault, None, "{verdict:?}");
+}
+
+#[test]
 fn a_body_that_begins_in_what_it_is_thrown_at_has_the_energy_that_it_came_with() {
     // The velocity half a step later, in the mean, is half of what it was: a bowl of one cell's depth is parted from a ball.
     let (scene, disturbances) = extreme_of(Edition::Fourth, 4_143_628_233, 811);

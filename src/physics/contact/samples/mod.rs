@@ -249,8 +249,7 @@ fn record<R: Real>(substep: Substep<'_, R>, workspace: &mut SamplesWorkspace<R>,
         let &FoundContact { body: number, sample, obstacle, carriers, weights, normal, gap, surface_velocity } = found;
         let force = constraint.impulse() / dt;
         counters.frictions += u64::from(force != DVec3::ZERO && has_friction(obstacle));
-        counters.obstacle_work_j += force.dot(surface_velocity) * dt;
-        counters.fastest_surface_m_s = counters.fastest_surface_m_s.max(surface_velocity.length());
+        counters.add_obstacle_work(force.dot(surface_velocity) * dt, surface_velocity.length());
         let part = |push| PartedPoint { carriers, weights, surface_velocity, push };
         parted.extend(constraint.parting(movers, dt).map(part));
         contacts.push(SampleContact {
