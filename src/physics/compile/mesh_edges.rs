@@ -123,17 +123,24 @@ fn is_narrow(surface: &Surface, at: DVec3, [outward, along]: [DVec3; 2], cell: f
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+    use std::sync::Arc;
+
     use super::*;
     use crate::geometry::TriMesh;
     use crate::physics::compile::edges::{CellSizes, edges};
     use crate::physics::model::{Edge, ObstacleShape};
+    use crate::physics::{Arrival, Simulation};
+    use crate::scene::obstacle::Mesh;
+    use crate::scene::resolve::resolve;
+    use crate::scene::{self, Body, Obstacle, Scene, builtin};
 
     const CELLS: CellSizes = CellSizes { smallest: 0.1, largest: 0.2 };
 
     fn of_mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Edge> {
         let mesh =
             TriMesh { positions: positions.iter().map(|at| DVec3::from(*at)).collect(), triangles: triangles.to_vec() };
-        let surface = std::sync::Arc::new(Surface::new(&mesh).expect("a sound surface"));
+        let surface = Arc::new(Surface::new(&mesh).expect("a sound surface"));
         let turned = [DVec3::X, DVec3::Y, DVec3::Z];
         let model =
             MeshModel::<f64> { center: DVec3::ZERO, axes: turned, length: 1.0, surface, side_row: None, place: 0 };
@@ -206,5 +213,25 @@ mod tests {
         };
         assert!((0..60).all(all_around), "no gap is much wider than a cell");
         assert_eq!(ring(0.3).len(), 0, "a wire twice as thick as a cell");
+    }
+
+    #[test]
+    fn a_mesh_that_is_moved_keeps_its_edges_and_one_of_another_length_does_not() {
+        let comb = |height: f64, length: f64| {
+            let (path, center) = (format!("{}comb.obj", builtin::PREFIX), [0.0, height, 0.0]);
+            let mesh = Mesh { path, center, length, ..Mesh::default() };
+            let comb = Obstacle { shape: scene::ObstacleShape::Mesh(mesh), ..Obstacle::default() };
+            Scene { bodies: vec![Body::default()], obstacles: vec![comb], ..Scene::default() }
+        };
+        let scene = comb(0.0, 1.0);
+        let lattices = [resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice];
+        let mut simulation = Simulation::<f32>::new(&scene, &lattices);
+        let edges = |simulation: &Simulation<f32>| Arc::clone(&simulation.model().obstacles[0].edges);
+        let first = edges(&simulation);
+        assert!(!first.is_empty());
+        simulation.set_parameters(&comb(0.5, 1.0), &lattices, &[Some(0)], Arrival::Swept);
+        assert!(Arc::ptr_eq(&edges(&simulation), &first), "moved");
+        simulation.set_parameters(&comb(0.5, 2.0), &lattices, &[Some(0)], Arrival::Swept);
+        assert!(edges(&simulation).point_count() > first.point_count(), "twice as long");
     }
 }
