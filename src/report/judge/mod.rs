@@ -152,13 +152,11 @@ fn energy_so_far<R: Real>(simulation: &Simulation<R>) -> f64 {
 ///
 /// The velocity at a position's time is that of half a substep ago plus a share s of the coming substep's change, `v + s (dt
 /// F + J)/m`, where J is the impulse of contact with obstacles that stand still. With J, a body thrown at a plane loses
-/// energy before it gets there. If the plane sweeps out of its way in that substep, there is no J and the body keeps all of
-/// its energy. If the plane comes towards the body, the energy beyond that is the plane's work.
+/// energy before it gets there. If the plane sweeps out of its way in that substep, or what a body is thrown in deep inside parts
+/// it otherwise than that, there is no J and the body keeps all of its energy. If the plane comes towards the body, the energy
+/// beyond that is the plane's work.
 fn energy_to_keep<R: Real>(simulation: &Simulation<R>) -> f64 {
     let with_contact = simulation.diagnostics().energy;
-    if simulation.state().sweeps.is_empty() {
-        return with_contact.total();
-    }
     let without_contact = without_contact(simulation).diagnostics().energy;
     with_contact.total().max(without_contact.total() + with_contact.contact)
 }

@@ -58,6 +58,14 @@ fn a_body_that_falls_out_after_it_was_put_back_has_gained_nothing() {
 }
 
 #[test]
+fn a_body_that_is_thrown_anew_deep_in_an_obstacle_has_the_energy_of_the_throw() {
+    let (scene, disturbances) = extreme_of(Edition::Fifth, 2_742_469_007, 6384);
+    let lattices = lattices(&scene).expect("sound shapes");
+    let verdict = judge_disturbed::<f32>(&scene, &disturbances, &lattices, PATIENCE);
+    assert_eq!(verdict.fault, None, "{verdict:?}");
+}
+
+#[test]
 fn what_an_obstacle_takes_from_one_body_is_not_taken_from_another() {
     // The ground turns slowly and brakes two heavy bodies, beside a light one.
     let (scene, disturbances) = extreme_of(Edition::Fifth, 2_742_469_007, 2760);
