@@ -17,6 +17,7 @@ mod friction;
 mod golden;
 mod integrators;
 mod mesh_contact;
+mod mesh_models;
 mod mesh_obstacles;
 mod meshes_meet;
 mod mixed_springs;

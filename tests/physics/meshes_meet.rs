@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use crate::bodies::momenta;
 use crate::determinism::within;
-use crate::mesh_contact::{ball_obj, box_obj};
+use crate::mesh_models::{ball_obj, box_obj};
 use crate::support::{falling, plane, run};
 
 /// A model of an OBJ text in `divisions` divisions, with this position of its middle (m) and this velocity (m/s).

@@ -8,7 +8,7 @@ use gelatin::scene::{Material, Obstacle, ObstacleShape, Scene};
 use glam::{DQuat, DVec3};
 
 use crate::determinism::{allocations, within};
-use crate::mesh_contact::ball_on;
+use crate::mesh_models::ball_on;
 use crate::mesh_obstacles;
 use crate::support::{cube, falling, run, springs};
 
