@@ -88,11 +88,8 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         ))?;
     }
     if let Some([parts, strained]) = prediction.parts_in_contact {
-        let whole = if prediction.integrator == "implicit" {
-            ", or is solved for as a whole where that is cheaper"
-        } else {
-            ""
-        };
+        let may_solve = session.simulation().plan().may_solve_for_contact();
+        let whole = if may_solve { ", or is solved for as a whole where that is cheaper" } else { "" };
         out::figures(&format!(
             "a substep in which points come near each other or an obstacle takes {parts} parts, {strained} while links are far \
              from their rest length{whole}"

@@ -191,8 +191,13 @@ impl Plan {
         self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
     }
 
+    /// Whether the scheme may solve for substeps in contact of points as a whole.
+    pub fn may_solve_for_contact(&self) -> bool {
+        [self.between_bodies, self.on_mesh].into_iter().flatten().any(|plan| plan.parts_a_solve.is_some())
+    }
+
     /// The parts that substeps are divided into in which points of bodies come near each other or an obstacle, where these are
-    /// more than one: at rest, and while a body is strained. The implicit scheme may solve for such substeps as a whole instead.
+    /// more than one: at rest, and while a body is strained.
     pub fn parts_in_contact(&self) -> Option<[u32; 2]> {
         let plans = [self.between_bodies, self.on_mesh].into_iter().flatten();
         let divided = plans.filter(|plan| plan.parts > 1 && plan.parts < u32::MAX);

@@ -153,7 +153,7 @@ fn penetrations<R: Real>(
             point: candidate.point,
             carriers,
             weights: Cell::weights(place.unwrap_or(candidate.cell_coordinates)),
-            pressed: known.ok().map(|place| state.presses[place].depth_m),
+            pressed: known.map_or(0.0, |place| state.presses[place].depth_m),
             normal,
             depth,
             nearer,

@@ -38,7 +38,7 @@ impl<R: Real> BodyPair<'_, R> {
         let movers = &workspace.movers;
         let dt = dt.to_f64();
         let depth = penetration.depth + dt * movers.predicted_velocity(shares).dot(penetration.normal);
-        let pressed = depth.min(penetration.pressed.unwrap_or(0.0));
+        let pressed = depth.min(penetration.pressed);
         let (spring, gap) = (SpringBefore { depth, pressed, leaving_speed }, -depth);
         let at = ContactPlane { normal: penetration.normal, surface_velocity: DVec3::ZERO };
         let Some(constraint) = PointConstraint::new(&self.law, movers, shares, at, spring, dt) else { return };

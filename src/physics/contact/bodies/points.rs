@@ -38,8 +38,8 @@ pub(super) struct Penetration {
     pub(super) carriers: [u32; 8],
     /// Their weights: with these their mean, where they are now, is the point, so that no moment is left over.
     pub(super) weights: [f64; 8],
-    /// How far the spring was pressed before, m; none where it is a new one.
-    pub(super) pressed: Option<f64>,
+    /// How far the spring was pressed before, m; nothing where it is a new one.
+    pub(super) pressed: f64,
     /// Unit normal out of the cell's body.
     pub(super) normal: DVec3,
     /// How deep the point is inside along the normal, m.
