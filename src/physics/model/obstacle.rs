@@ -73,6 +73,19 @@ pub enum ObstacleShape<R: Real> {
 }
 
 impl<R: Real> ObstacleShape<R> {
+    /// Half the sides of a box around it, along the axes of the world, m.
+    pub(in crate::physics) fn half_extents(&self) -> DVec3 {
+        let along = |axes: &[R::Vec3], half: &[f64]| {
+            axes.iter().zip(half).map(|(axis, half)| axis.to_dvec3().abs() * *half).sum::<DVec3>()
+        };
+        match self {
+            Self::Plane(plane) => along(&plane.axes, &plane.half_extents.map(R::to_f64)),
+            Self::Sphere { radius, .. } => DVec3::splat(radius.to_f64()),
+            Self::Oriented(OrientedModel { axes, form, .. }) => along(axes, &form.half_extents().map(R::to_f64)),
+            Self::Mesh(mesh) => along(&mesh.axes, &(mesh.surface.half_extents() * mesh.length).to_array()),
+        }
+    }
+
     /// The middle, m.
     pub(in crate::physics) fn center_mut(&mut self) -> &mut R::Vec3 {
         match self {
@@ -190,6 +203,17 @@ pub enum OrientedForm<R> {
         /// Half the length, m.
         half_height: R,
     },
+}
+
+impl<R: Real> OrientedForm<R> {
+    /// Half the sides of a box around it, along its own axes, m.
+    fn half_extents(self) -> [R; 3] {
+        match self {
+            Self::Box { half_extents } => half_extents,
+            Self::Capsule { radius, half_height } => [radius, radius + half_height, radius],
+            Self::Cylinder { radius, half_height } => [radius, half_height, radius],
+        }
+    }
 }
 
 impl<R: Real> OrientedModel<R> {

@@ -125,8 +125,10 @@ pub(in crate::physics) fn wake_near_moving<R: Real>(
             continue;
         }
         let position = &state.position[body.particles.clone()];
+        // Obstacles are still where they were in the last substep.
         let is_near = |obstacle: &ObstacleModel<R>| {
-            position.iter().any(|at| Aabb { min: *at, max: *at }.overlaps(&obstacle.bounds))
+            let around = obstacle.bounds.grown(obstacle.bounds.size().length() * R::from_f64(0.5));
+            position.iter().any(|at| Aabb { min: *at, max: *at }.overlaps(&around))
         };
         if placed.iter().any(|obstacle| obstacle.motion.is_some() && is_near(obstacle)) {
             state.bodies[number].wake();

@@ -226,28 +226,29 @@ fn through_skin<R: Real>(
 }
 
 /// A cell that points may be in.
-pub(in crate::physics::contact) struct CandidateCell {
+pub(in crate::physics::contact) struct CandidateCell<'a> {
     number: u32,
-    cell: Cell,
+    corners: &'a [u32; 8],
+    /// Where the particles of its body are, m.
+    own: &'a [DVec3],
     /// The box around it, m.
     pub(in crate::physics::contact) bounds: Aabb<f64>,
-    /// The slabs around it, once a point is in the box.
-    slabs: Option<Slabs>,
+    /// Its shape and the slabs around it, once a point is in the box.
+    shape: Option<(Cell, Slabs)>,
     /// Its size at rest, m.
     size: f64,
 }
 
-impl CandidateCell {
+impl<'a> CandidateCell<'a> {
     /// A cell of a body whose particles are at `own`, m.
     pub(in crate::physics::contact) fn new<R: Real>(
-        body: &BodyModel<R>,
+        body: &'a BodyModel<R>,
         number: u32,
-        own: &[DVec3],
+        own: &'a [DVec3],
         size: f64,
     ) -> Self {
         let bounds = cell_bounds(body, number, own).grown(INSIDE_TOLERANCE * size);
-        let cell = Cell(body.lattice.cells[number as usize].map(|corner| own[corner as usize]));
-        Self { number, cell, bounds, slabs: None, size }
+        Self { number, corners: &body.lattice.cells[number as usize], own, bounds, shape: None, size }
     }
 
     /// Tests whether a point is in the cell, and less far outside it than of any before. Returns whether it could be.
@@ -255,11 +256,14 @@ impl CandidateCell {
         if candidate.distance_outside == 0.0 || !self.bounds.holds(candidate.position) {
             return false;
         }
-        let slabs = self.slabs.get_or_insert_with(|| self.cell.slabs());
+        let (cell, slabs) = self.shape.get_or_insert_with(|| {
+            let cell = Cell(self.corners.map(|corner| self.own[corner as usize]));
+            (cell, cell.slabs())
+        });
         if !slabs.contain(candidate.position) {
             return true;
         }
-        if let Some(at) = self.cell.locate(candidate.position, DVec3::splat(0.5), self.size) {
+        if let Some(at) = cell.locate(candidate.position, DVec3::splat(0.5), self.size) {
             let beyond = distance_outside(at);
             if beyond <= INSIDE_TOLERANCE && beyond < candidate.distance_outside {
                 (candidate.cell, candidate.cell_coordinates, candidate.distance_outside) =

@@ -51,7 +51,8 @@ pub(super) fn find_contacts<R: Real>(
         if met.edges.is_empty() {
             continue;
         }
-        find_candidates(met, &around, plan.broad_phase, &mut workspace.edges);
+        let known = |sample| workspace.found_pairs.binary_search(&(sample, obstacle)).is_ok();
+        find_candidates((met, known), &around, plan.broad_phase, &mut workspace.edges);
         if workspace.edges.candidates.is_empty() {
             continue;
         }
@@ -68,9 +69,9 @@ pub(super) fn find_contacts<R: Real>(
     workspace.found_contacts.len() > before
 }
 
-/// Lists the points on an obstacle's edges that are within a box at the end of the substep.
+/// Lists the points on an obstacle's edges that are within a box at the end of the substep and not `known` to be met.
 fn find_candidates<R: Real>(
-    obstacle: &ObstacleModel<R>,
+    (obstacle, known): (&ObstacleModel<R>, impl Fn(usize) -> bool),
     around: &Aabb<f64>,
     broad_phase: bool,
     workspace: &mut EdgesWorkspace,
@@ -102,10 +103,11 @@ fn find_candidates<R: Real>(
         let outward = frame.direction(edge.outward);
         for place in low..high {
             let [from, to] = moving.points((place as f64 + 0.5) / count);
-            if around.holds(to) {
+            let sample = FIRST_EDGE_POINT + edge.first + place;
+            if around.holds(to) && !known(sample) {
                 #[expect(clippy::cast_possible_truncation, reason = "candidates are counted in 32 bits")]
                 candidates.push(CandidatePoint::new(candidates.len() as u32, to));
-                points.push(EdgePoint { sample: FIRST_EDGE_POINT + edge.first + place, from, outward });
+                points.push(EdgePoint { sample, from, outward });
             }
         }
     }
@@ -142,17 +144,10 @@ fn add_contacts<R: Real>(
     let (body, dt) = (&model.bodies[number], dt.to_f64());
     let (start, size) = (body.particles.start, body.lattice.grid.cell_size);
     let skin = body.samples_among_bodies().and_then(|samples| samples.skin.as_ref());
-    let SamplesWorkspace {
-        edges: EdgesWorkspace { predicted, candidates, points, deep, .. },
-        found_pairs,
-        found_contacts,
-        ..
-    } = workspace;
+    let SamplesWorkspace { edges: EdgesWorkspace { predicted, candidates, points, deep, .. }, found_contacts, .. } =
+        workspace;
     let found = candidates.iter().zip(&*points).filter(|(candidate, _)| candidate.is_inside());
     let found = found.filter_map(|(candidate, point)| {
-        if found_pairs.binary_search(&(point.sample, obstacle)).is_ok() {
-            return None;
-        }
         let corners = body.lattice.cells[candidate.cell as usize];
         let surface_velocity = (candidate.position - point.from) / dt;
         let weights = Cell::weights(candidate.cell_coordinates);
