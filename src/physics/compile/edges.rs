@@ -14,11 +14,13 @@ use std::collections::BTreeSet;
 
 use glam::DVec3;
 
+use crate::geometry::Lattice;
 use crate::math::Real;
 use crate::physics::model::{Edge, Edges, ObstacleShape, OrientedForm};
 
-/// Points on an edge are this share of the smallest cell apart.
-const SPACING: f64 = 0.5;
+/// Points on an edge are at most a cell apart, as particles are, and as close as this share of a body's longest extent: a body of
+/// few cells would stand on few points.
+const SPACING_IN_BODY: f64 = 0.125;
 
 /// Most points of an edge: beyond that they are further apart.
 const MAX_POINTS_AN_EDGE: f64 = 1e6;
@@ -44,27 +46,35 @@ const AROUND_BALL: [[i8; 3]; 14] = [
     [-1, -1, -1],
 ];
 
-/// The sizes of the cells of all bodies, m.
+/// What edges have to fit, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct CellSizes {
-    pub(super) smallest: f64,
-    pub(super) largest: f64,
+pub(super) struct EdgeSizes {
+    /// The distance between points that every body needs.
+    pub(super) spacing: f64,
+    /// The size of the largest cells of a body.
+    pub(super) largest_cell: f64,
 }
 
-impl CellSizes {
-    /// Those of some bodies; none where there is no body.
-    pub(super) fn of(cells: impl Iterator<Item = f64>) -> Option<Self> {
-        cells.fold(None, |known, size| {
-            let Self { smallest, largest } = known.unwrap_or(Self { smallest: size, largest: size });
-            Some(Self { smallest: smallest.min(size), largest: largest.max(size) })
+impl EdgeSizes {
+    /// Those for bodies of these cells; none where there is no body.
+    pub(super) fn of<'a>(lattices: impl Iterator<Item = &'a Lattice>) -> Option<Self> {
+        let of_one = |lattice: &Lattice| {
+            let (cell, longest) = (lattice.grid.cell_size, lattice.grid.dims.iter().max());
+            let in_body = SPACING_IN_BODY * longest.map_or(1.0, |cells| f64::from(*cells));
+            Self { spacing: in_body.min(1.0) * cell, largest_cell: cell }
+        };
+        lattices.map(of_one).reduce(|one, other| Self {
+            spacing: one.spacing.min(other.spacing),
+            largest_cell: one.largest_cell.max(other.largest_cell),
         })
     }
 }
 
-/// The edges of an obstacle among bodies of these cells.
-pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, cells: CellSizes) -> Edges {
-    let mut list = EdgeList::new(SPACING * cells.smallest);
-    let is_thin = |radius: f64| 2.0 * radius < cells.largest;
+/// The edges of an obstacle.
+pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, sizes: EdgeSizes) -> Edges {
+    let EdgeSizes { spacing, largest_cell } = sizes;
+    let mut list = EdgeList::new(spacing);
+    let is_thin = |radius: f64| 2.0 * radius < largest_cell;
     match shape {
         ObstacleShape::Plane(plane) => list.add_rim(plane.half_extents.map(Real::to_f64)),
         ObstacleShape::Sphere { radius, .. } => {
@@ -77,7 +87,7 @@ pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, cells: CellSizes) -> Edge
             }
         }
         ObstacleShape::Oriented(model) => match model.form {
-            OrientedForm::Box { half_extents } => list.add_box(half_extents.map(Real::to_f64), cells.largest),
+            OrientedForm::Box { half_extents } => list.add_box(half_extents.map(Real::to_f64), largest_cell),
             OrientedForm::Capsule { radius, half_height } => {
                 let [radius, half_height] = [radius, half_height].map(Real::to_f64);
                 if is_thin(radius) {
@@ -92,7 +102,7 @@ pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, cells: CellSizes) -> Edge
                 list.add_cylinder(radius, half_height, is_thin(radius));
             }
         },
-        ObstacleShape::Mesh(mesh) => list.add_mesh(mesh, cells.largest),
+        ObstacleShape::Mesh(mesh) => list.add_mesh(mesh, largest_cell),
     }
     Edges::new(list.edges)
 }
@@ -245,10 +255,10 @@ mod tests {
     use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Plane, Sphere};
     use crate::scene::{self, Obstacle};
 
-    const CELLS: CellSizes = CellSizes { smallest: 0.1, largest: 0.2 };
+    const SIZES: EdgeSizes = EdgeSizes { spacing: 0.05, largest_cell: 0.2 };
 
     fn of(shape: scene::ObstacleShape) -> Vec<Edge> {
-        let made = obstacles::<f64>(&[Obstacle { shape, ..Obstacle::default() }], Some(CELLS), None);
+        let made = obstacles::<f64>(&[Obstacle { shape, ..Obstacle::default() }], Some(SIZES), None);
         made[0].edges.near(|_, _| true).copied().collect()
     }
 
@@ -257,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_at_most_half_a_cell_apart_and_numbered_one_after_the_other() {
+    fn points_are_as_close_as_asked_for_and_numbered_one_after_the_other() {
         let mut next = 0;
         for edge in of_box([0.5, 0.01, 0.333]) {
             let apart = (edge.ends[1] - edge.ends[0]).length() / edge.count as f64;

@@ -128,14 +128,14 @@ mod tests {
 
     use super::*;
     use crate::geometry::TriMesh;
-    use crate::physics::compile::edges::{CellSizes, edges};
+    use crate::physics::compile::edges::{EdgeSizes, edges};
     use crate::physics::model::{Edge, ObstacleShape};
     use crate::physics::{Arrival, Simulation};
     use crate::scene::obstacle::Mesh;
     use crate::scene::resolve::resolve;
     use crate::scene::{self, Body, Obstacle, Scene, builtin};
 
-    const CELLS: CellSizes = CellSizes { smallest: 0.1, largest: 0.2 };
+    const SIZES: EdgeSizes = EdgeSizes { spacing: 0.05, largest_cell: 0.2 };
 
     fn of_mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Edge> {
         let mesh =
@@ -144,7 +144,7 @@ mod tests {
         let turned = [DVec3::X, DVec3::Y, DVec3::Z];
         let model =
             MeshModel::<f64> { center: DVec3::ZERO, axes: turned, length: 1.0, surface, side_row: None, place: 0 };
-        edges(&ObstacleShape::Mesh(model), CELLS).near(|_, _| true).copied().collect()
+        edges(&ObstacleShape::Mesh(model), SIZES).near(|_, _| true).copied().collect()
     }
 
     #[test]

@@ -41,7 +41,7 @@ use crate::scene::part_problem::part_problem;
 use crate::scene::resolve::{MeshError, ResolveError, load_meshes, resolve};
 use crate::scene::{Body, ContactOn, Material, Scene};
 use assembly::Assembled;
-use edges::CellSizes;
+use edges::EdgeSizes;
 use kinds::Kinds;
 use springs_by_cell::springs_by_cell;
 
@@ -136,10 +136,10 @@ pub(super) fn compile<R: Real>(
 ) -> (Model<R>, Plan) {
     assert_eq!(scene.bodies.len(), lattices.len(), "every body needs its lattice");
     let gravity = DVec3::from(scene.settings.gravity);
-    let cells = CellSizes::of(lattices.iter().map(|lattice| lattice.grid.cell_size));
+    let sizes = EdgeSizes::of(lattices.iter().map(AsRef::as_ref));
     let mut model = Model {
         bodies: Vec::new(),
-        obstacles: obstacles::obstacles(&scene.obstacles, cells, before),
+        obstacles: obstacles::obstacles(&scene.obstacles, sizes, before),
         gravity: R::Vec3::from_dvec3(gravity),
         fall_limit: None,
     };

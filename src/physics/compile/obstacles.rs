@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use super::edges::{CellSizes, edges};
+use super::edges::{EdgeSizes, edges};
 use crate::math::{Aabb, Real, RigidMotion, Vector, rotation};
 use crate::physics::contact::{DEPTH_SHARE, STIFFNESS_OVER_MASS};
 use crate::physics::model::{
@@ -40,14 +40,14 @@ pub(super) fn contact<R: Real>(
     }
 }
 
-/// The obstacles of a scene, among bodies with these cells if there are any. The edges of a mesh that is among those of the
+/// The obstacles of a scene, with edges of these `sizes` if there are bodies. The edges of a mesh that is among those of the
 /// model `before` are taken from there.
 pub(super) fn obstacles<R: Real>(
     obstacles: &[Obstacle],
-    cells: Option<CellSizes>,
+    sizes: Option<EdgeSizes>,
     before: Option<&Model<R>>,
 ) -> Vec<ObstacleModel<R>> {
-    let known = before.filter(|model| cells_of(model) == cells).map_or(&[][..], |model| &model.obstacles);
+    let known = before.filter(|model| sizes_of(model) == sizes).map_or(&[][..], |model| &model.obstacles);
     let (mut sides, mut meshes) = (0, 0);
     obstacles
         .iter()
@@ -91,7 +91,7 @@ pub(super) fn obstacles<R: Real>(
             let bounds = motion.map_or(bounds, |motion| motion_bounds(&bounds, &motion));
             ObstacleModel {
                 edges: known.iter().find(|known| is_same_mesh(&known.shape, &shape)).map_or_else(
-                    || Arc::new(cells.map_or_else(Edges::default, |cells| edges(&shape, cells))),
+                    || Arc::new(sizes.map_or_else(Edges::default, |sizes| edges(&shape, sizes))),
                     |known| Arc::clone(&known.edges),
                 ),
                 shape,
@@ -105,9 +105,9 @@ pub(super) fn obstacles<R: Real>(
         .collect()
 }
 
-/// The sizes of the cells of a model's bodies.
-fn cells_of<R: Real>(model: &Model<R>) -> Option<CellSizes> {
-    CellSizes::of(model.bodies.iter().map(|body| body.lattice.grid.cell_size))
+/// The sizes for a model's bodies.
+fn sizes_of<R: Real>(model: &Model<R>) -> Option<EdgeSizes> {
+    EdgeSizes::of(model.bodies.iter().map(|body| body.lattice.as_ref()))
 }
 
 /// Whether two obstacles are the same mesh, in whatever place.
