@@ -135,8 +135,8 @@ impl<'a, R: Real> NextSubstep<'a, R> {
         let mut workspace = StepWorkspace::new(model, plan);
         let coming = stepping::first_part(model, plan, &mut next, &mut workspace);
         // Near contact another scheme may take the parts, whose velocities are half a step behind.
-        let is_velocity_synchronised =
-            schemes::is_velocity_synchronised(plan, state) && coming.scheme != Scheme::SemiImplicit;
+        let stays_on_time = coming.scheme != Scheme::SemiImplicit || schemes::starts_on_time(plan.scheme);
+        let is_velocity_synchronised = schemes::is_velocity_synchronised(plan, state) && stays_on_time;
         let (observed_plan, part) = if is_velocity_synchronised {
             // Only contacts are needed: any scheme finds them, so the cheapest is taken.
             let whole = stepping::whole_substep(plan);

@@ -28,9 +28,7 @@ mod verlet;
 
 pub(super) use held::{ContactSpring, HeldFriction, HeldParticle, SurfaceContact};
 pub(super) use implicit::bytes as implicit_bytes;
-pub(super) use stepper::{SchemeWorkspace, Stepper, kick_secs, moves_by_mean};
-
-use stepper::kick;
+pub(super) use stepper::{SchemeWorkspace, Stepper, kick, kick_secs, moves_by_mean};
 
 use super::contact::ContactWorkspace;
 use super::model::Model;
@@ -132,14 +130,23 @@ impl<R: Real> Stepper<'_, R> {
 pub(super) fn is_velocity_synchronised<R: Real>(plan: &Plan, state: &State<R>) -> bool {
     match plan.scheme {
         Scheme::SemiImplicit => false,
-        Scheme::Verlet => state.velocity_lag_secs <= 0.0,
-        Scheme::Explicit | Scheme::Rk2 | Scheme::Rk4 | Scheme::Stabilised | Scheme::Implicit => true,
+        Scheme::Verlet | Scheme::Rk2 | Scheme::Rk4 => state.velocity_lag_secs <= 0.0,
+        Scheme::Explicit | Scheme::Stabilised | Scheme::Implicit => true,
     }
+}
+
+/// Whether velocities that semi-implicit Euler leaves half a part behind are brought up to time before a scheme takes over.
+/// From late ones a Runge–Kutta scheme would go on with an error of the first order: a vibration would gain or lose energy each
+/// time that contact comes near and goes. The other schemes are of the first order themselves, or damp vibrations.
+pub(super) fn starts_on_time(scheme: Scheme) -> bool {
+    matches!(scheme, Scheme::Rk2 | Scheme::Rk4)
 }
 
 /// Returns the share of the coming substep's change of velocity that is past at the position's time.
 pub(super) fn share_to_center<R: Real>(state: &State<R>, ahead: &State<R>) -> f64 {
     let [before, after] = [state.velocity_lag_secs, ahead.velocity_lag_secs];
+    // Velocities that do not stay behind are those at the end.
+    let after = if after > 0.0 { after } else { ahead.time_secs - state.time_secs };
     if before > 0.0 && after > 0.0 { before / (before + after) } else { 0.5 }
 }
 
@@ -160,11 +167,10 @@ pub(super) fn remembers_forces(plan: &Plan) -> bool {
     plan.scheme == Scheme::Verlet
 }
 
-/// Remembers what the next substep of the plan's scheme needs of an accepted one: nothing of a part that another scheme
-/// took.
+/// Remembers what the next substep needs of an accepted one, which a scheme took that need not be the plan's.
 pub(super) fn remember<R: Real>(
     model: &Model<R>,
-    plan: &Plan,
+    (plan, scheme): (&Plan, Scheme),
     dt: R,
     force: &[R::Vec3],
     thesis_force: Option<&[R::Vec3]>,
@@ -174,6 +180,9 @@ pub(super) fn remember<R: Real>(
         Scheme::Verlet => verlet::remember(model, dt, force, thesis_force, state),
         // The next kick is longer or shorter where the substeps change.
         Scheme::SemiImplicit => state.velocity_lag_secs = 0.5 * dt.to_f64(),
+        other if starts_on_time(other) && scheme == Scheme::SemiImplicit => {
+            state.velocity_lag_secs = 0.5 * dt.to_f64();
+        }
         _ => {}
     }
 }

@@ -136,10 +136,11 @@ impl<R: Real> Stepper<'_, R> {
 }
 
 /// Returns how long the forces at the state act on its velocities to give those at the end of a substep, s.
-pub(in crate::physics) fn kick_secs<R: Real>(Substep { state, dt, scheme, .. }: Substep<'_, R>) -> R {
+pub(in crate::physics) fn kick_secs<R: Real>(Substep { plan, state, dt, scheme, .. }: Substep<'_, R>) -> R {
+    let is_leapfrog = state.velocity_lag_secs > 0.0 || super::starts_on_time(plan.scheme);
     match scheme {
         Scheme::Verlet => verlet::kick_secs(dt, state),
-        Scheme::SemiImplicit if state.velocity_lag_secs > 0.0 => verlet::kick_secs(dt, state),
+        Scheme::SemiImplicit if is_leapfrog => verlet::kick_secs(dt, state),
         _ => dt,
     }
 }
@@ -150,7 +151,7 @@ pub(in crate::physics) fn moves_by_mean(scheme: Scheme) -> bool {
 }
 
 /// `v += dt a` for every particle that is not pinned, where `a` is the force over the mass; pinned ones stand still.
-pub(super) fn kick<R: Real>(
+pub(in crate::physics) fn kick<R: Real>(
     model: &Model<R>,
     level: SimdLevel,
     memory: &[BodyMemory],

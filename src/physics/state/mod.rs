@@ -33,13 +33,13 @@ pub struct State<R: Real> {
     /// The rounding error of `position`, m (Kahan's compensated sum): small steps would otherwise be lost.
     pub position_residual: Vec<R::Vec3>,
     /// m/s; half a step behind the position's time with semi-implicit Euler, [`State::velocity_lag_secs`] behind it with
-    /// Verlet.
+    /// Verlet and the Runge–Kutta schemes.
     pub velocity: Vec<R::Vec3>,
     /// Acceleration of the last substep without contact, m/s²: with it Verlet predicts the velocity of the damping. None
     /// with other schemes.
     pub acceleration: Option<Vec<R::Vec3>>,
     /// How far the velocity is behind the position's time, s: nothing at the start, then half a substep with Verlet and
-    /// semi-implicit Euler.
+    /// semi-implicit Euler, also where that takes the substeps of a Runge–Kutta scheme near contact.
     pub velocity_lag_secs: f64,
     /// For every plane a row over all particles: the side (+1 or −1 along the normal) a touching particle came from,
     /// 0 where nothing touches.
@@ -222,12 +222,12 @@ impl<R: Real> State<R> {
         self.touches.reserve_exact(touching.saturating_sub(self.touches.len()));
     }
 
-    /// Keeps room for what the scheme of a plan remembers, and no more. A scheme that begins starts with no velocity lag.
+    /// Keeps room for what the scheme of a plan remembers, and no more. Schemes that know no velocity lag begin with none.
     pub(super) fn fit_scheme(&mut self, plan: &Plan) {
         if plan.halvings == 0 {
             (self.part, self.halvings, self.work) = (0, 0, 0);
         }
-        if !matches!(plan.scheme, Scheme::Verlet | Scheme::SemiImplicit) {
+        if matches!(plan.scheme, Scheme::Explicit | Scheme::Stabilised | Scheme::Implicit) {
             self.velocity_lag_secs = 0.0;
         }
         let predicts = plan.scheme == Scheme::Verlet;

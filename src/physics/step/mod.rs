@@ -24,17 +24,17 @@ pub(in crate::physics) mod pull;
 pub(in crate::physics) mod substep;
 mod workspace;
 
+pub(super) use substep::Inputs;
 pub(super) use workspace::StepWorkspace;
 
 use std::ops::Range;
 
-use super::contact::{self, BodyContact, ContactRecord, ContactWorkspace, Placed, SampleContact};
+use super::contact::{self, BodyContact, ContactRecord, ContactWorkspace, SampleContact};
 use super::forces;
 use super::forces::Kick;
 use super::forces::exact::ExactLinks;
 use super::forces::links::Configuration;
 use super::forces::strain::StraightMotion;
-use super::interaction::Grab;
 use super::model::Model;
 use super::report::Recorder;
 use super::state::{BodyMemory, State};
@@ -57,17 +57,6 @@ use crate::physics::team;
 /// How often the velocities are halved in a body that would gain energy however short its substeps are.
 const MAX_VELOCITY_HALVINGS: u32 = 12;
 
-/// What acts on a substep from outside.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Inputs<'a, R: Real> {
-    /// Where obstacles are in it.
-    pub(super) obstacles: &'a Placed<R>,
-    /// A hand that pulls at particles.
-    pub(super) grab: Option<&'a Grab<R>>,
-    /// A hand that pulls at a modal body.
-    pub(super) modal_grab: Option<&'a Grab<R>>,
-}
-
 /// How a part of a substep ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ending {
@@ -87,7 +76,7 @@ fn take_part<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     part: Part,
-    Inputs { obstacles, grab, modal_grab }: Inputs<'_, R>,
+    inputs: Inputs<'_, R>,
     state: &mut State<R>,
     workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
@@ -109,21 +98,11 @@ fn take_part<R: Real>(
         recorder.enter(Stage::Recovery);
         recovery::check_cells(model, plan, state, due, part.secs, recorder);
     }
-    let dt = R::from_f64(part.secs);
-    let Part { scheme, is_strained, bodies_are_near, points_are_near, .. } = part;
-    let substep = Substep {
-        model,
-        plan,
-        state,
-        obstacles,
-        dt,
-        scheme,
-        is_strained,
-        bodies_are_near,
-        points_are_near,
-        grab,
-        modal_grab,
-    };
+    if schemes::starts_on_time(part.scheme) && state.velocity_lag_secs > 0.0 {
+        synchronise(model, plan, part, inputs, state, workspace, recorder);
+    }
+    let substep = inputs.substep(model, plan, part, state);
+    let (obstacles, dt) = (inputs.obstacles, substep.dt);
     let prediction = find_forces(substep, workspace, recorder);
     let is_found = find_velocities(substep, part.on_energy_gain, prediction, workspace, recorder);
     let is_sound = is_found && is_sound(substep, prediction, workspace);
@@ -148,10 +127,34 @@ fn take_part<R: Real>(
     if plan.sleeping && part.is_last {
         recorder.enter(Stage::Rest);
         fallen::put_to_sleep(model, state);
-        sleep::put_to_sleep(model, plan, grab.map(|grab| grab.body), &workspace.contact.bodies.pushing_pairs(), state);
+        sleep::put_to_sleep(
+            model,
+            plan,
+            inputs.grab.map(|grab| grab.body),
+            &workspace.contact.bodies.pushing_pairs(),
+            state,
+        );
     }
     recorder.note_part(part.secs, sleep::asleep_count(state));
     Ending::Taken
+}
+
+/// Brings velocities up to the time of the positions, by the forces at the state.
+fn synchronise<R: Real>(
+    model: &Model<R>,
+    plan: &Plan,
+    part: Part,
+    inputs: Inputs<'_, R>,
+    state: &mut State<R>,
+    workspace: &mut StepWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    find_forces(inputs.substep(model, plan, part, state), workspace, recorder);
+    if recorder.has_stopped() {
+        return;
+    }
+    let lag = R::from_f64(std::mem::take(&mut state.velocity_lag_secs));
+    schemes::kick(model, plan.simd, &state.bodies, lag, &workspace.force, &mut state.velocity);
 }
 
 /// Whether the velocities that the forces predict are known with the forces.
@@ -257,7 +260,7 @@ fn is_sound<R: Real>(substep: Substep<'_, R>, prediction: Prediction, workspace:
 fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<R>, workspace: &mut StepWorkspace<R>) {
     let dt = R::from_f64(part.secs);
     let StepWorkspace { force, thesis_force, velocity, scheme, .. } = &mut *workspace;
-    schemes::remember(model, plan, dt, force, thesis_force.as_deref(), state);
+    schemes::remember(model, (plan, part.scheme), dt, force, thesis_force.as_deref(), state);
     move_particles(model, plan, dt, state, scheme.moving(velocity));
     if sleep::asleep_count(state) == 0 {
         std::mem::swap(&mut state.velocity, velocity);

@@ -97,3 +97,42 @@ pub(in crate::physics) enum OnEnergyGain {
     /// It is taken as it is, unchecked.
     Take,
 }
+
+/// What acts on a substep from outside.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct Inputs<'a, R: Real> {
+    /// Where obstacles are in it.
+    pub(in crate::physics) obstacles: &'a Placed<R>,
+    /// A hand that pulls at particles.
+    pub(in crate::physics) grab: Option<&'a Grab<R>>,
+    /// A hand that pulls at a modal body.
+    pub(in crate::physics) modal_grab: Option<&'a Grab<R>>,
+}
+
+impl<'a, R: Real> Inputs<'a, R> {
+    /// A part of a substep from a state on.
+    pub(super) fn substep(
+        self,
+        model: &'a Model<R>,
+        plan: &'a Plan,
+        part: Part,
+        state: &'a State<R>,
+    ) -> Substep<'a, R> {
+        let Self { obstacles, grab, modal_grab } = self;
+        let Part { secs, scheme, is_strained, bodies_are_near, points_are_near, .. } = part;
+        let dt = R::from_f64(secs);
+        Substep {
+            model,
+            plan,
+            state,
+            obstacles,
+            dt,
+            scheme,
+            is_strained,
+            bodies_are_near,
+            points_are_near,
+            grab,
+            modal_grab,
+        }
+    }
+}

@@ -71,6 +71,12 @@ fn what_an_obstacle_takes_from_one_body_is_not_taken_from_another() {
 }
 
 #[test]
+fn a_vibration_that_comes_near_an_obstacle_again_and_again_gains_no_energy() {
+    // A stiff body held at its top, by a Runge–Kutta scheme, around a model smaller than a cell.
+    assert_passes(Edition::Fifth, 3_613_812_433, 4169);
+}
+
+#[test]
 fn a_body_that_begins_in_what_it_is_thrown_at_has_the_energy_that_it_came_with() {
     // The velocity half a step later, in the mean, is half of what it was: a bowl of one cell's depth is parted from a ball.
     assert_passes(Edition::Fourth, 4_143_628_233, 811);
