@@ -34,6 +34,13 @@ impl<R: Real> ObstacleModel<R> {
     }
 }
 
+impl<R: Real> ObstacleModel<R> {
+    /// Where a point that rides along with it ends, m.
+    pub(in crate::physics) fn carried(&self, at: DVec3) -> DVec3 {
+        self.carry.map_or(at, |carry| carry.apply(R::Vec3::from_dvec3(at)).to_dvec3())
+    }
+}
+
 /// A rigid motion from the beginning to the end of a substep: `x ↦ turn (x − from) + to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::physics) struct Carry<R: Real> {

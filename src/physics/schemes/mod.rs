@@ -28,7 +28,7 @@ mod verlet;
 
 pub(super) use held::{ContactSpring, HeldFriction, HeldParticle, SurfaceContact};
 pub(super) use implicit::bytes as implicit_bytes;
-pub(super) use stepper::{SchemeWorkspace, Stepper, kick, kick_secs, moves_by_mean};
+pub(super) use stepper::{SchemeWorkspace, Stepper, kick, kick_secs, moves_by_mean, starts_on_time};
 
 use super::contact::ContactWorkspace;
 use super::model::Model;
@@ -133,13 +133,6 @@ pub(super) fn is_velocity_synchronised<R: Real>(plan: &Plan, state: &State<R>) -
         Scheme::Verlet | Scheme::Rk2 | Scheme::Rk4 => state.velocity_lag_secs <= 0.0,
         Scheme::Explicit | Scheme::Stabilised | Scheme::Implicit => true,
     }
-}
-
-/// Whether velocities that semi-implicit Euler leaves half a part behind are brought up to time before a scheme takes over.
-/// From late ones a Runge–Kutta scheme would go on with an error of the first order: a vibration would gain or lose energy each
-/// time that contact comes near and goes. The other schemes are of the first order themselves, or damp vibrations.
-pub(super) fn starts_on_time(scheme: Scheme) -> bool {
-    matches!(scheme, Scheme::Rk2 | Scheme::Rk4)
 }
 
 /// Returns the share of the coming substep's change of velocity that is past at the position's time.

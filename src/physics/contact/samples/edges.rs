@@ -13,7 +13,7 @@
 
 use glam::DVec3;
 
-use super::moving_edge::{MARGIN_SHARE, MovingEdge, moved_bounds};
+use super::moving_edge::{MARGIN_SHARE, edges_near, moved_bounds};
 use super::workspace::{EdgePoint, EdgesWorkspace, FoundContact, SamplesWorkspace};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::bodies::{CandidateCell, CandidatePoint, Cell, WayOut, way_out};
@@ -80,18 +80,7 @@ fn find_candidates<R: Real>(
     candidates.clear();
     points.clear();
     let frame = Frame::of(&obstacle.shape);
-    let [middle, half] = [around.center(), 0.5 * around.size()];
-    let is_near = |ball: DVec3, radius: f64| {
-        if !broad_phase {
-            return true;
-        }
-        let now = frame.place(ball);
-        let then = obstacle.carry.map_or(now, |carry| carry.apply(R::Vec3::from_dvec3(now)).to_dvec3());
-        let reach = radius * (1.0 + MARGIN_SHARE) + MARGIN_SHARE * half.max_element();
-        ((then - middle).abs() - half).max_element() <= reach
-    };
-    for edge in obstacle.edges.near(is_near) {
-        let moving = MovingEdge::of(edge, &frame, obstacle);
+    for (edge, moving) in edges_near(obstacle, &frame, broad_phase.then_some(around)) {
         if broad_phase && !moving.bounds().overlaps(around) {
             continue;
         }

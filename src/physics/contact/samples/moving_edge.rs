@@ -20,10 +20,9 @@ pub(super) struct MovingEdge {
 }
 
 impl MovingEdge {
-    pub(super) fn of<R: Real>(edge: &Edge, frame: &Frame<R>, obstacle: &ObstacleModel<R>) -> Self {
+    fn of<R: Real>(edge: &Edge, frame: &Frame<R>, obstacle: &ObstacleModel<R>) -> Self {
         let now = edge.ends.map(|end| frame.place(end));
-        let then = obstacle.carry.map_or(now, |carry| now.map(|at| carry.apply(R::Vec3::from_dvec3(at)).to_dvec3()));
-        Self { ends: [now, then] }
+        Self { ends: [now, now.map(|end| obstacle.carried(end))] }
     }
 
     /// The box around it at the end.
@@ -60,6 +59,24 @@ pub(super) fn moved_bounds<R: Real>(at: Aabb<R>, velocity: Aabb<R>, dt: R) -> Aa
     }
 }
 
+/// The edges of an obstacle on their way, but those that are far from a box at all times of the substep.
+pub(super) fn edges_near<'a, R: Real>(
+    obstacle: &'a ObstacleModel<R>,
+    frame: &'a Frame<R>,
+    around: Option<&Aabb<f64>>,
+) -> impl Iterator<Item = (&'a Edge, MovingEdge)> {
+    let around = around.map(|around| [around.center(), 0.5 * around.size()]);
+    let is_near = move |ball: DVec3, radius: f64| {
+        around.is_none_or(|[middle, half]| {
+            let from = frame.place(ball);
+            let to = obstacle.carried(from);
+            let reach = radius * (1.0 + MARGIN_SHARE) + MARGIN_SHARE * half.max_element() + (to - from).length();
+            ((to - middle).abs() - half).max_element() <= reach
+        })
+    };
+    obstacle.edges.near(is_near).map(move |edge| (edge, MovingEdge::of(edge, frame, obstacle)))
+}
+
 /// Whether a body whose places and velocities are in these boxes comes near an edge of an obstacle in the next `secs`.
 pub(super) fn comes_near<R: Real>(
     model: &Model<R>,
@@ -74,19 +91,9 @@ pub(super) fn comes_near<R: Real>(
     }
     let (now, then) = (moved_bounds(at, velocity, R::ZERO), moved_bounds(at, velocity, secs));
     let around = now.joined(then).grown(AHEAD_SHARE * body.lattice.grid.cell_size);
-    let [middle, half] = [around.center(), 0.5 * around.size()];
     let met = (0..model.obstacles.len()).map(|obstacle| obstacles.for_body(number, obstacle));
     met.filter(|obstacle| !obstacle.edges.is_empty()).any(|obstacle| {
-        let frame = Frame::of(&obstacle.shape);
-        let carried = |at: DVec3| obstacle.carry.map_or(at, |carry| carry.apply(R::Vec3::from_dvec3(at)).to_dvec3());
-        let is_near = |ball: DVec3, radius: f64| {
-            let (from, to) = (frame.place(ball), carried(frame.place(ball)));
-            let reach = radius * (1.0 + MARGIN_SHARE) + (to - from).length();
-            ((to - middle).abs() - half).max_element() <= reach
-        };
-        obstacle.edges.near(is_near).any(|edge| {
-            let MovingEdge { ends: [from, to] } = MovingEdge::of(edge, &frame, obstacle);
-            Aabb::around(from.into_iter().chain(to)).overlaps(&around)
-        })
+        edges_near(obstacle, &Frame::of(&obstacle.shape), Some(&around))
+            .any(|(_, MovingEdge { ends: [from, to] })| Aabb::around(from.into_iter().chain(to)).overlaps(&around))
     })
 }
