@@ -285,6 +285,21 @@ fn what_is_far_from_a_bowl_meets_it_when_it_is_moved() {
 }
 
 #[test]
+fn how_they_are_found_while_they_move_changes_no_bit() {
+    let turn = Motion::Turn(Turn { axis: [0.3, 1.0, 0.2], turns_per_sec: 0.7 });
+    let swing = Motion::Oscillate(Oscillate { axis: [1.0, 0.5, 0.0], amplitude: 0.2, period_secs: 0.6 });
+    for (integrator, motion) in
+        [(Integrator::SemiImplicit, turn), (Integrator::SemiImplicit, swing), (Integrator::Implicit, turn)]
+    {
+        let mut scene = over(bowl(), 0.7, [0.3, 1.6, 0.2]);
+        scene.obstacles[0].motion = Some(motion);
+        scene.settings.integrator = integrator;
+        let [with, without] = assert_the_same_however_found(&scene, 0.8);
+        assert!(with * 3 < without, "{integrator:?}, {motion:?}: {with} of {without} tests");
+    }
+}
+
+#[test]
 fn a_bowl_that_is_swept_about_does_the_work_that_bodies_gain() {
     let scene = over(bowl(), 0.6, [0.0, 0.7, 0.0]);
     let mut after = scene.clone();

@@ -143,14 +143,12 @@ impl<R: Real> BroadPhase<R> {
             let ObstacleModel { shape, bounds, carry, .. } = obstacles.for_body(number, *obstacle as usize);
             let sides = shape.side_row().map(|row| &state.side[row][start + range.start..start + range.end]);
             let touching = sides.map_or(0, |sides| mask(range.len(), |particle| sides[particle] != 0));
-            let coming = match shape {
-                // A mesh that moves comes towards the particles.
-                ObstacleShape::Mesh(mesh) if carry.is_none() => distances.near(batch, mesh, *reach, caches),
-                _ => {
-                    let bounds = bounds.grown(*reach);
-                    let path = |particle: usize| path_bounds::<R>(position[particle], velocity[particle] * dt);
-                    mask(range.len(), |particle| path(particle).overlaps(&bounds))
-                }
+            let coming = if let ObstacleShape::Mesh(mesh) = shape {
+                distances.near(batch, (mesh, carry.as_ref()), *reach, caches)
+            } else {
+                let bounds = bounds.grown(*reach);
+                let path = |particle: usize| path_bounds::<R>(position[particle], velocity[particle] * dt);
+                mask(range.len(), |particle| path(particle).overlaps(&bounds))
             };
             near | touching | coming
         })
