@@ -9,6 +9,7 @@ use crate::math::{Aabb, Real, RigidMotion, Vector, rotation};
 use crate::physics::contact::{DEPTH_SHARE, STIFFNESS_OVER_MASS};
 use crate::physics::model::{
     ContactModel, Edges, MeshModel, Model, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel,
+    grown_for_rounding,
 };
 use crate::scene::obstacle::{Capsule, ContactStiffness, Cylinder, Mesh, Plane};
 use crate::scene::{self, Obstacle};
@@ -84,9 +85,7 @@ pub(super) fn obstacles<R: Real>(
                     (ObstacleShape::Mesh(model), obstacle.shape.bounds())
                 }
             };
-            // Rounding to R must not shrink the box below the obstacle.
-            let margin = 1e-5 * (bounds.size().max_element() + bounds.center().abs().max_element());
-            let bounds = bounds.grown(margin);
+            let bounds = grown_for_rounding(bounds);
             let motion = obstacle.motion.map(|motion| motion.rigid());
             let bounds = motion.map_or(bounds, |motion| motion_bounds(&bounds, &motion));
             ObstacleModel {

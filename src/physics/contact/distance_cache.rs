@@ -86,7 +86,8 @@ impl<R: Real> DistanceCache<R> {
         // The square of the sum of two lengths is no more than twice the sum of their squares.
         let twice = R::from_f64(2.0 * (1.0 + ROUNDING_SHARE) * (1.0 + ROUNDING_SHARE));
         let start = |particle: usize| carry.map_or(position[particle], |carry| carry.apply(position[particle]));
-        let place = |start: R::Vec3| if carry.is_some() { in_axes_of(mesh, start) } else { start };
+        let in_mesh = |start: R::Vec3| R::Vec3::from_dvec3(mesh.in_local_frame(start) * mesh.length);
+        let place = |start: R::Vec3| if carry.is_some() { in_mesh(start) } else { start };
         let way = |particle: usize, start: R::Vec3| {
             let way = (position[particle] - start) + velocity[particle] * *secs;
             way.dot(way)
@@ -119,10 +120,4 @@ impl<R: Real> DistanceCache<R> {
             is_near
         })
     }
-}
-
-/// A place from the middle of a mesh along its axes, m.
-fn in_axes_of<R: Real>(mesh: &MeshModel<R>, at: R::Vec3) -> R::Vec3 {
-    let [x, y, z] = mesh.axes.map(|axis| (at - mesh.center).dot(axis));
-    R::Vec3::new(x, y, z)
 }

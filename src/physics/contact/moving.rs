@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::math::{Aabb, FRAME_SECS, Real, RigidMotion, Vector};
-use crate::physics::model::{Carry, MeshModel, ObstacleModel, ObstacleShape, OrientedModel};
+use crate::physics::model::{Carry, MeshModel, ObstacleModel, ObstacleShape, OrientedModel, grown_for_rounding};
 use crate::physics::state::moving::Sweep;
 
 /// Simulated time in which a moved obstacle gets to its new place, s: a frame, so that a dragged obstacle follows the hand
@@ -106,9 +106,6 @@ pub(super) fn placed<R: Real>(
 /// A point that passes a turning obstacle in a substep may come from this many times the obstacle's reach away.
 const LONGEST_PASS: f64 = 32.0;
 
-/// Boxes are larger by this share of their size and distance from the origin, for rounding error.
-const ROUNDING_SHARE: f64 = 1e-5;
-
 /// The box that the straight path of a point crosses if the point meets an obstacle that goes from one pose to the next, where
 /// `shape` is.
 ///
@@ -118,8 +115,7 @@ fn swept_bounds<R: Real>(shape: &ObstacleShape<R>, now: Pose, next: Pose) -> Aab
     let half = shape.half_extents();
     let turned = 2.0 * (next.rotation * now.rotation.inverse()).xyz().length();
     let bounds = Aabb::<f64>::around([now.center, next.center].into_iter().flat_map(|at| [at - half, at + half]));
-    let rounding = ROUNDING_SHARE * (bounds.size().max_element() + bounds.center().abs().max_element());
-    let Aabb { min, max } = bounds.grown(half.length() * (LONGEST_PASS * turned).min(2.0) + rounding);
+    let Aabb { min, max } = grown_for_rounding(bounds).grown(half.length() * (LONGEST_PASS * turned).min(2.0));
     Aabb { min: R::Vec3::from_dvec3(min), max: R::Vec3::from_dvec3(max) }
 }
 

@@ -33,7 +33,7 @@ pub use link::{Link, LinkFamily};
 pub use modal::ModalModel;
 pub(in crate::physics) use modal_body::ModalBody;
 pub(in crate::physics) use modal_points::ModalPoints;
-pub(in crate::physics) use obstacle::Carry;
+pub(in crate::physics) use obstacle::{Carry, grown_for_rounding};
 pub use obstacle::{MeshModel, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel};
 
 use std::ops::Range;

@@ -27,6 +27,15 @@ pub struct ObstacleModel<R: Real> {
     pub friction_dynamic: R,
 }
 
+/// The box around an obstacle is larger by this share of its size and distance from the origin: rounding must not shrink it below
+/// the obstacle.
+const ROUNDING_SHARE: f64 = 1e-5;
+
+/// A box in double precision, grown so that the same box in the precision of the simulation holds it.
+pub(in crate::physics) fn grown_for_rounding(bounds: Aabb<f64>) -> Aabb<f64> {
+    bounds.grown(ROUNDING_SHARE * (bounds.size().max_element() + bounds.center().abs().max_element()))
+}
+
 impl<R: Real> ObstacleModel<R> {
     /// Whether it has edges, which meet the cells of bodies where particles pass it by.
     pub fn has_edges(&self) -> bool {

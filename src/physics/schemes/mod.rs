@@ -28,7 +28,9 @@ mod verlet;
 
 pub(super) use held::{ContactSpring, HeldFriction, HeldParticle, SurfaceContact};
 pub(super) use implicit::bytes as implicit_bytes;
-pub(super) use stepper::{SchemeWorkspace, Stepper, kick, kick_secs, moves_by_mean, starts_on_time};
+pub(super) use stepper::{SchemeWorkspace, Stepper, kick_secs, moves_by_mean, starts_on_time};
+
+use stepper::kick;
 
 use super::contact::ContactWorkspace;
 use super::model::Model;
@@ -133,6 +135,12 @@ pub(super) fn is_velocity_synchronised<R: Real>(plan: &Plan, state: &State<R>) -
         Scheme::Verlet | Scheme::Rk2 | Scheme::Rk4 => state.velocity_lag_secs <= 0.0,
         Scheme::Explicit | Scheme::Stabilised | Scheme::Implicit => true,
     }
+}
+
+/// Brings velocities up to the time of the positions, by the forces at the state.
+pub(super) fn synchronise<R: Real>(model: &Model<R>, plan: &Plan, force: &[R::Vec3], state: &mut State<R>) {
+    let lag = R::from_f64(std::mem::take(&mut state.velocity_lag_secs));
+    kick(model, plan.simd, &state.bodies, lag, force, &mut state.velocity);
 }
 
 /// Returns the share of the coming substep's change of velocity that is past at the position's time.

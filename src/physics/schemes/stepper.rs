@@ -158,7 +158,7 @@ pub(in crate::physics) fn moves_by_mean(scheme: Scheme) -> bool {
 }
 
 /// `v += dt a` for every particle that is not pinned, where `a` is the force over the mass; pinned ones stand still.
-pub(in crate::physics) fn kick<R: Real>(
+pub(super) fn kick<R: Real>(
     model: &Model<R>,
     level: SimdLevel,
     memory: &[BodyMemory],

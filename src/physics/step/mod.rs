@@ -99,7 +99,10 @@ fn take_part<R: Real>(
         recovery::check_cells(model, plan, state, due, part.secs, recorder);
     }
     if schemes::starts_on_time(part.scheme) && state.velocity_lag_secs > 0.0 {
-        synchronise(model, plan, part, inputs, state, workspace, recorder);
+        find_forces(inputs.substep(model, plan, part, state), workspace, recorder);
+        if !recorder.has_stopped() {
+            schemes::synchronise(model, plan, &workspace.force, state);
+        }
     }
     let substep = inputs.substep(model, plan, part, state);
     let (obstacles, dt) = (inputs.obstacles, substep.dt);
@@ -137,24 +140,6 @@ fn take_part<R: Real>(
     }
     recorder.note_part(part.secs, sleep::asleep_count(state));
     Ending::Taken
-}
-
-/// Brings velocities up to the time of the positions, by the forces at the state.
-fn synchronise<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    part: Part,
-    inputs: Inputs<'_, R>,
-    state: &mut State<R>,
-    workspace: &mut StepWorkspace<R>,
-    recorder: &mut Recorder<'_>,
-) {
-    find_forces(inputs.substep(model, plan, part, state), workspace, recorder);
-    if recorder.has_stopped() {
-        return;
-    }
-    let lag = R::from_f64(std::mem::take(&mut state.velocity_lag_secs));
-    schemes::kick(model, plan.simd, &state.bodies, lag, &workspace.force, &mut state.velocity);
 }
 
 /// Whether the velocities that the forces predict are known with the forces.
