@@ -206,11 +206,12 @@ fn left_knotted(n: u32, stiffness: [f64; 3], seed: u64, secs: f64, change: impl 
     now.inverted_cells
 }
 
-/// Whether a knot comes undone is chance: it changes with the start and with the rounding of a force.
+/// Whether and when a knot comes undone is chance: it changes with the start and with the rounding of a force. Of the 200 cubes
+/// from the starts 100 to 199, two to five had inverted cells after half a second, and none or one after a second.
 #[test]
 fn most_shear_links_crushed_to_a_point_come_back() {
     let broken_with = |starts: Range<u64>, change: fn(&mut Scene)| {
-        let cubes = starts.flat_map(|start| KNOTTED.map(|stiffness| left_knotted(5, stiffness, start, 0.5, change)));
+        let cubes = starts.flat_map(|start| KNOTTED.map(|stiffness| left_knotted(5, stiffness, start, 1.0, change)));
         cubes.filter(|left| *left > 0).count()
     };
     let left = broken_with(100..120, |_| ());

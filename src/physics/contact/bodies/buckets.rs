@@ -39,6 +39,10 @@ impl CandidatePoint {
 /// Most buckets: their array has to fit into the processor's cache.
 const MAX_BUCKETS: usize = 1 << 13;
 
+/// Most buckets for each point: a body that is torn far apart has cells many times as wide as at rest, and looking into empty
+/// buckets would cost more than the points.
+const MAX_BUCKETS_A_POINT: usize = 4;
+
 /// Points by the bucket they are in, ascending in each.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics::contact) struct Buckets {
@@ -54,7 +58,7 @@ impl Buckets {
     /// Makes room for this many points, in as many buckets as they fill if they are on the outside of a body.
     pub(in crate::physics::contact) fn new(points: usize) -> Self {
         Self {
-            starts: Vec::with_capacity((4 * points).min(MAX_BUCKETS) + 1),
+            starts: Vec::with_capacity((MAX_BUCKETS_A_POINT * points).min(MAX_BUCKETS) + 1),
             order: Vec::with_capacity(points),
             ..Self::default()
         }
@@ -67,12 +71,13 @@ impl Buckets {
         bounds: &Aabb<f64>,
         cell_size: f64,
     ) {
+        let most = (MAX_BUCKETS_A_POINT * candidates.len()).clamp(1, MAX_BUCKETS);
         let (extent, mut size) = (bounds.max - bounds.min, cell_size);
         loop {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from zero up, saturating")]
             let dims = (extent / size).to_array().map(|count| (count as usize).saturating_add(1));
             let all = dims.iter().fold(1_usize, |all, count| all.saturating_mul(*count));
-            if all <= MAX_BUCKETS {
+            if all <= most {
                 (self.low, self.per_metre, self.dims) = (bounds.min, 1.0 / size, dims);
                 break;
             }
@@ -152,6 +157,8 @@ mod tests {
         for cell_size in [1e-3, 0.2, 10.0] {
             buckets.sort(&candidates, &bounds, cell_size);
             assert_eq!(buckets.near(&bounds).count(), 500, "all points are in the box of all");
+            let count: usize = buckets.dims.iter().product();
+            assert!(count <= 2000, "{count} buckets: nearly all are empty where points are far apart");
             for _ in 0..50 {
                 let corner = point(-1.2, 2.0);
                 let near = Aabb { min: corner, max: corner + DVec3::splat(0.3) };

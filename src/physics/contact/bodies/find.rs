@@ -20,7 +20,8 @@
 use glam::DVec3;
 
 use super::buckets::CandidatePoint;
-use super::cell::{Cell, INSIDE_TOLERANCE, Slabs, distance_outside};
+use super::cell::{Cell, INSIDE_TOLERANCE, distance_outside};
+use super::inverse_map::{InverseMap, Slabs};
 use super::neighbours::{StoredPositions, candidate_cells, cell_bounds};
 use super::points::{PairResult, Penetration, PointsWorkspace};
 use super::predicted::PredictedBody;
@@ -143,7 +144,7 @@ fn penetrations<R: Real>(
         let (point, own) = surface_points.carried(candidate.point, points.particles.start);
         let now = Cell(carriers.map(|corner| search.position_now(cell_body, cells.particles.start + corner as usize)));
         let at = own.mean(|particle| search.position_now(point_body, particle));
-        let place = now.locate(at, candidate.cell_coordinates, cells.lattice.grid.cell_size);
+        let place = InverseMap::of(&now, cells.lattice.grid.cell_size).place_near(at, candidate.cell_coordinates);
         if place.is_none() && is_itself {
             // A body that turned itself by contact with itself would not come to rest.
             return None;
@@ -233,8 +234,8 @@ pub(in crate::physics::contact) struct CandidateCell<'a> {
     own: &'a [DVec3],
     /// The box around it, m.
     pub(in crate::physics::contact) bounds: Aabb<f64>,
-    /// Its shape and the slabs around it, once a point is in the box.
-    shape: Option<(Cell, Slabs)>,
+    /// What finds places in it, and the slabs around it, once a point is in the box.
+    shape: Option<(InverseMap, Slabs)>,
     /// Its size at rest, m.
     size: f64,
 }
@@ -256,14 +257,15 @@ impl<'a> CandidateCell<'a> {
         if candidate.distance_outside == 0.0 || !self.bounds.holds(candidate.position) {
             return false;
         }
-        let (cell, slabs) = self.shape.get_or_insert_with(|| {
+        let (map, slabs) = self.shape.get_or_insert_with(|| {
             let cell = Cell(self.corners.map(|corner| self.own[corner as usize]));
-            (cell, cell.slabs())
+            let map = InverseMap::of(&cell, self.size);
+            (map, Slabs::around(&cell, &map))
         });
         if !slabs.contain(candidate.position) {
             return true;
         }
-        if let Some(at) = cell.locate(candidate.position, DVec3::splat(0.5), self.size) {
+        if let Some(at) = map.place_inside(candidate.position) {
             let beyond = distance_outside(at);
             if beyond <= INSIDE_TOLERANCE && beyond < candidate.distance_outside {
                 (candidate.cell, candidate.cell_coordinates, candidate.distance_outside) =

@@ -15,6 +15,7 @@ use glam::{DMat3, DVec3};
 
 use super::buckets::CandidatePoint;
 use super::cell::{Cell, distance_outside};
+use super::inverse_map::InverseMap;
 use super::points::PointsWorkspace;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::model::BodyModel;
@@ -104,6 +105,7 @@ fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspa
         let cell = Cell(body.lattice.cells[number as usize].map(at));
         let (around, low) = (Aabb::<f64>::around(cell.0), body.lattice.low(number));
         let within = around.grown(least * size);
+        let mut map = None;
         for (point, surroundings) in buckets.rows(&within).flat_map(|row| &sorted[row]) {
             // Most points near a cell belong to it, and this test costs the least.
             if surroundings.contains(low) {
@@ -113,7 +115,7 @@ fn measured_distance<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], workspa
             if boxed >= least {
                 continue;
             }
-            let place = cell.locate(*point, DVec3::splat(0.5), size);
+            let place = map.get_or_insert_with(|| InverseMap::of(&cell, size)).place(*point);
             least = least.min(place.map_or(boxed, distance_outside).max(boxed));
         }
     }

@@ -5,8 +5,8 @@
 //! near        which bodies come near each other in the substep, and into how many parts it has to be divided for that
 //! itself      which bodies come near themselves: points and cells that belong together at rest are left out
 //! find        which points would be inside which cells at its end, and the way out: a distance field of the body at rest
-//!             ([`crate::physics::model::Hull`]), carried along by the cell (cell); pairs that are near are kept for a while
-//!             (neighbours, buckets)
+//!             ([`crate::physics::model::Hull`]), carried along by the cell (cell, inverse_map); pairs that are near are kept
+//!             for a while (neighbours, buckets)
 //! surface_points
 //!             the points that meet cells: particles of the outside or points of the mesh
 //! (weighted)  each is a contact of nine or sixteen weighted particles with one effective mass; point and cell get opposite
@@ -33,6 +33,7 @@
 mod buckets;
 mod cell;
 mod find;
+mod inverse_map;
 mod itself;
 mod law;
 mod motion;
@@ -48,6 +49,7 @@ mod workspace;
 pub(in crate::physics::contact) use buckets::{Buckets, CandidatePoint};
 pub(in crate::physics::contact) use cell::Cell;
 pub(in crate::physics::contact) use find::{CandidateCell, WayOut, way_out};
+pub(in crate::physics::contact) use inverse_map::InverseMap;
 pub(in crate::physics) use law::pair_law;
 pub(in crate::physics) use near::parts;
 pub(in crate::physics) use points::BYTES_A_POINT;

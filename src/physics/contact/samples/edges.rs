@@ -16,7 +16,7 @@ use glam::DVec3;
 use super::moving_edge::{MARGIN_SHARE, edges_near, moved_bounds};
 use super::workspace::{EdgePoint, EdgesWorkspace, FoundContact, SamplesWorkspace};
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::contact::bodies::{CandidateCell, CandidatePoint, Cell, WayOut, way_out};
+use crate::physics::contact::bodies::{CandidateCell, CandidatePoint, Cell, InverseMap, WayOut, way_out};
 use crate::physics::contact::narrow;
 use crate::physics::kernels::bounds;
 use crate::physics::model::{BodyModel, FIRST_EDGE_POINT, Frame, ObstacleModel};
@@ -160,13 +160,13 @@ fn add_contacts<R: Real>(
         }
         // With these weights the mean of the cell's particles, where they are now, is the point: no moment is left over.
         let now = Cell(corners.map(|corner| state.position[start + corner as usize].to_dvec3()));
-        let place = now.locate(point.from, candidate.cell_coordinates, size).unwrap_or(candidate.cell_coordinates);
+        let place = InverseMap::of(&now, size).place_near(point.from, candidate.cell_coordinates);
         Some(FoundContact {
             body: number,
             sample: point.sample,
             obstacle,
             carriers: corners.map(|corner| start + corner as usize),
-            weights: Cell::weights(place),
+            weights: Cell::weights(place.unwrap_or(candidate.cell_coordinates)),
             normal: -normal,
             gap: entered - depth,
             surface_velocity,
