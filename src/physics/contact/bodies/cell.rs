@@ -6,7 +6,7 @@
 use glam::{DMat3, DVec3};
 
 /// A point on the face between two cells is in either, even if rounding puts it outside both by less than this, in cells.
-pub(super) const INSIDE_TOLERANCE: f64 = 1e-4;
+pub(in crate::physics::contact) const INSIDE_TOLERANCE: f64 = 1e-4;
 
 /// The corners of a cell: bit 0 of the index is x, bit 1 y, bit 2 z.
 #[derive(Clone, Copy, Debug)]

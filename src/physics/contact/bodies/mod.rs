@@ -6,7 +6,7 @@
 //! itself      which bodies come near themselves: points and cells that belong together at rest are left out
 //! find        which points would be inside which cells at its end, and the way out: a distance field of the body at rest
 //!             ([`crate::physics::model::Hull`]), carried along by the cell (cell, inverse_map); pairs that are near are kept
-//!             for a while (neighbours, buckets)
+//!             for a while (neighbours, buckets, outcode)
 //! surface_points
 //!             the points that meet cells: particles of the outside or points of the mesh
 //! (weighted)  each is a contact of nine or sixteen weighted particles with one effective mass; point and cell get opposite
@@ -39,6 +39,7 @@ mod law;
 mod motion;
 mod near;
 mod neighbours;
+mod outcode;
 mod pair;
 mod points;
 mod predicted;
@@ -47,11 +48,12 @@ mod surface_points;
 mod workspace;
 
 pub(in crate::physics::contact) use buckets::{Buckets, CandidatePoint};
-pub(in crate::physics::contact) use cell::Cell;
+pub(in crate::physics::contact) use cell::{Cell, INSIDE_TOLERANCE};
 pub(in crate::physics::contact) use find::{CandidateCell, WayOut, way_out};
 pub(in crate::physics::contact) use inverse_map::InverseMap;
 pub(in crate::physics) use law::pair_law;
 pub(in crate::physics) use near::parts;
+pub(in crate::physics::contact) use outcode::{are_beyond, outcode};
 pub(in crate::physics) use points::BYTES_A_POINT;
 pub use record::{BodyContact, WeightedParticles};
 pub(in crate::physics) use workspace::BodiesWorkspace;

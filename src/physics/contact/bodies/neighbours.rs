@@ -13,6 +13,7 @@ use glam::DVec3;
 
 use super::buckets::{Buckets, CandidatePoint};
 use super::cell::INSIDE_TOLERANCE;
+use super::outcode::{are_beyond, outcode};
 use super::surface_points::SurfacePoints;
 use crate::math::{Aabb, Real};
 use crate::physics::kernels::displacement_bounds;
@@ -278,7 +279,7 @@ impl NeighbourLists {
             for number in candidate_cells(cells, is_itself) {
                 // The corners of most cells are all beyond one side of the region.
                 let corners = &cells.lattice.cells[number as usize];
-                if corners.iter().fold(ALL_SIDES, |sides, corner| sides & self.outcodes[*corner as usize]) != 0 {
+                if are_beyond(corners, &self.outcodes) {
                     continue;
                 }
                 let cell = cell_bounds(cells, number, own).grown(INSIDE_TOLERANCE * cell_size);
@@ -322,20 +323,6 @@ impl NeighbourLists {
             neighbours,
         });
     }
-}
-
-/// The outcode of a point beyond all sides at once.
-const ALL_SIDES: u8 = 0b11_1111;
-
-/// Returns the outcode of a point: a bit for each side of a box that the point is beyond (Cohen and Sutherland).
-fn outcode(region: &Aabb<f64>, position: DVec3) -> u8 {
-    let bit = |is_beyond: bool, side: u8| u8::from(is_beyond) << side;
-    bit(position.x < region.min.x, 0)
-        | bit(position.y < region.min.y, 1)
-        | bit(position.z < region.min.z, 2)
-        | bit(position.x > region.max.x, 3)
-        | bit(position.y > region.max.y, 4)
-        | bit(position.z > region.max.z, 5)
 }
 
 /// The cells of a body in which points of another, or of the same, are looked for, ascending.

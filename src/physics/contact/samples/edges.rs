@@ -16,7 +16,9 @@ use glam::DVec3;
 use super::moving_edge::{MARGIN_SHARE, edges_near, moved_bounds};
 use super::workspace::{EdgePoint, EdgesWorkspace, FoundContact, SamplesWorkspace};
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::contact::bodies::{CandidateCell, CandidatePoint, Cell, InverseMap, WayOut, way_out};
+use crate::physics::contact::bodies::{
+    CandidateCell, CandidatePoint, Cell, INSIDE_TOLERANCE, InverseMap, WayOut, are_beyond, outcode, way_out,
+};
 use crate::physics::contact::narrow;
 use crate::physics::kernels::bounds;
 use crate::physics::model::{BodyModel, FIRST_EDGE_POINT, Frame, ObstacleModel};
@@ -104,12 +106,19 @@ fn find_candidates<R: Real>(
 
 /// Finds the cells near the outside of a body that the candidates are in. Returns the number of tests.
 fn locate<R: Real>(body: &BodyModel<R>, workspace: &mut EdgesWorkspace) -> u64 {
-    let EdgesWorkspace { predicted, candidates, buckets, .. } = workspace;
+    let EdgesWorkspace { predicted, candidates, buckets, outcodes, .. } = workspace;
     let (all, size) =
         (Aabb::around(candidates.iter().map(|candidate| candidate.position)), body.lattice.grid.cell_size);
     buckets.sort(candidates, &all, size);
+    // Most cells are far from the few points that an obstacle has near the body.
+    let region = all.grown(2.0 * INSIDE_TOLERANCE * size);
+    outcodes.clear();
+    outcodes.extend(predicted.iter().map(|position| outcode(&region, *position)));
     let mut tests = 0;
     for &cell in &body.hull().outer_cells {
+        if are_beyond(&body.lattice.cells[cell as usize], outcodes) {
+            continue;
+        }
         let mut cell = CandidateCell::new(body, cell, predicted, size);
         let bounds = cell.bounds;
         if bounds.overlaps(&all) {

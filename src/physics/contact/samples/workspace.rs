@@ -46,6 +46,8 @@ pub(super) struct EdgesWorkspace {
     /// For each of them.
     pub(super) points: Vec<EdgePoint>,
     pub(super) buckets: Buckets,
+    /// Where each particle of the body is past the box around those points.
+    pub(super) outcodes: Vec<u8>,
     /// Whether each particle of the body is deep in an obstacle, where that is known.
     pub(super) deep: Vec<Option<bool>>,
 }
@@ -60,6 +62,7 @@ impl EdgesWorkspace {
             candidates: Vec::with_capacity(room),
             points: Vec::with_capacity(room),
             buckets: Buckets::new(room),
+            outcodes: Vec::with_capacity(if room > 0 { largest } else { 0 }),
             deep: Vec::with_capacity(if room > 0 { largest } else { 0 }),
         }
     }
