@@ -56,12 +56,18 @@ const MAX_WORK_RATIO: f64 = 100.0;
 /// Samples of the energy in a window, not evenly spaced: see [`nth_sample_substep`].
 const SAMPLES_PER_WINDOW: u64 = 8;
 
+/// A scene that has taken this share of the most work is cut short ...
+const TRIAL_SHARE: f64 = 0.1;
+
+/// ... unless all of it would be enough at this many times the speed so far: violent motions calm down.
+const HOPED_SPEEDUP: f64 = 2.0;
+
 /// How long a scene is watched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patience {
     /// Simulated time, s.
     pub seconds: f64,
-    /// Link forces after which a scene is cut short.
+    /// Link forces after which a scene is cut short; after a tenth of them, where they cannot be enough.
     pub most_link_forces: u64,
 }
 
@@ -246,7 +252,7 @@ impl MotionJudge {
 
     /// As [`MotionJudge::substep`], but a substep that `timer` gives up is taken at the next call, with the same outcome.
     pub fn substep_unless<R: Real>(&mut self, simulation: &mut Simulation<R>, timer: &mut impl StageTimer) -> bool {
-        if self.link_forces > self.patience.most_link_forces {
+        if self.link_forces > self.patience.most_link_forces || self.is_hopeless() {
             self.verdict.cut_short = true;
             return false;
         }
@@ -272,6 +278,12 @@ impl MotionJudge {
         }
         self.count_work(simulation);
         self.verdict.fault.is_none() && self.verdict.substeps < self.substeps
+    }
+
+    /// Whether the scene would not be over by the most work that it may take.
+    fn is_hopeless(&self) -> bool {
+        let share = self.link_forces as f64 / self.patience.most_link_forces as f64;
+        share > TRIAL_SHARE && HOPED_SPEEDUP * self.verdict.simulated_secs < share * self.patience.seconds
     }
 
     /// Counts the work, and condemns a scene that takes far more of it than its first half second suggests.

@@ -344,6 +344,23 @@ fn what_takes_too_long_is_cut_short_and_says_so() {
 }
 
 #[test]
+fn what_cannot_be_over_in_time_is_cut_short_early() {
+    let scene = falling_cube();
+    let lattices = lattices(&scene).expect("sound shapes");
+    let whole = judge::<f32>(&scene, &lattices, PATIENCE);
+    let links = Simulation::<f32>::new(&scene, &lattices).model().link_counts().iter().sum::<usize>() as u64;
+    let of = |share: f64| {
+        let most_link_forces = count(share * (whole.work * links) as f64);
+        judge::<f32>(&scene, &lattices, Patience { most_link_forces, ..PATIENCE })
+    };
+    let [hopeful, hopeless] = [0.9, 0.4].map(of);
+    assert!(!whole.cut_short && hopeful.cut_short && hopeless.cut_short, "{whole:?}, {hopeful:?}, {hopeless:?}");
+    let share = |verdict: &Verdict| verdict.work as f64 / whole.work as f64;
+    assert!(share(&hopeful) > 0.85, "all of nine tenths may be enough: {hopeful:?} of {whole:?}");
+    assert!(share(&hopeless) < 0.1, "four tenths cannot be: {hopeless:?} of {whole:?}");
+}
+
+#[test]
 fn work_that_nobody_told_of_is_seen() {
     let scene = falling_cube();
     let lattices = lattices(&scene).expect("sound shapes");
