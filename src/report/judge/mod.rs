@@ -60,7 +60,7 @@ const SAMPLES_PER_WINDOW: u64 = 8;
 const TRIAL_SHARE: f64 = 0.1;
 
 /// ... unless all of it would be enough at this many times the speed so far: violent motions calm down.
-const HOPED_SPEEDUP: f64 = 2.0;
+const HOPED_SPEEDUP: f64 = 1.5;
 
 /// How long a scene is watched.
 #[derive(Clone, Copy, Debug, PartialEq)]
