@@ -19,7 +19,7 @@
 //! (`clearance`).
 //!
 //! Pushing some points out may lead others in: the search is repeated with the velocities that contact leaves, until it finds
-//! no more points. Contact changes the velocities that forces predict, after contact between bodies did; the implicit scheme
+//! no more points or they hardly differ. Contact changes the velocities that forces predict, after contact between bodies did; the implicit scheme
 //! has the same contacts among its equations. All is computed in
 //! double precision and by one thread, so the number of threads makes no difference. Obstacles do work only by their motion,
 //! and the energy of springs is in the state: so no energy comes from nowhere at any stiffness, see [`super::weighted`].
@@ -56,6 +56,10 @@ use crate::physics::step::substep::Substep;
 /// last search are remembered on the side that they came from, and are pushed in the next substep.
 pub(in crate::physics) const MAX_SEARCH_REPEATS: usize = 4;
 
+/// The search for edges in cells is not repeated where contact moves no particle by more than this, in cells: a point that this
+/// leads in is found in the next substep. Points of a mesh may not be missed: they would be on the other side of a plane.
+const UNSEARCHED_WAY: f64 = 1e-3;
+
 /// Changes the predicted velocities of all particles that carry points which meet obstacles within this substep.
 pub(in crate::physics) fn meet<R: Real>(
     substep: Substep<'_, R>,
@@ -77,8 +81,12 @@ pub(in crate::physics) fn meet<R: Real>(
             }
             recorder.enter(Stage::Contact);
             constrain(substep, number, known, velocity, workspace);
-            if round < MAX_SEARCH_REPEATS {
-                solve(substep, velocity, workspace);
+            if round == MAX_SEARCH_REPEATS {
+                break;
+            }
+            let way = solve(substep, velocity, workspace) * substep.dt.to_f64();
+            if body.samples.is_none() && way <= UNSEARCHED_WAY * body.lattice.grid.cell_size {
+                break;
             }
         }
         record(substep, workspace, recorder);
@@ -210,15 +218,20 @@ fn law<R: Real>(substep: Substep<'_, R>, number: usize, obstacle: usize) -> Poin
     }
 }
 
-/// Solves all constraints of a body from zero impulses on, and writes the velocities that they leave.
-fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: &mut SamplesWorkspace<R>) {
+/// Solves all constraints of a body from zero impulses on, and writes the velocities that they leave. Returns by how much they
+/// differ from those before at most, m/s.
+fn solve<R: Real>(substep: Substep<'_, R>, velocity: &mut [R::Vec3], workspace: &mut SamplesWorkspace<R>) -> f64 {
     let SamplesWorkspace { constraints, movers, .. } = workspace;
     constraints.iter_mut().for_each(PointConstraint::reset);
     movers.forget_changes();
     weighted::solve(constraints, movers, &mut (), substep.dt.to_f64());
+    let mut most = 0.0;
     for (mover, now) in movers.all.iter().zip(&movers.velocity).filter(|(mover, _)| mover.mobility > 0.0) {
-        velocity[mover.particle as usize] = R::Vec3::from_dvec3(*now);
+        let velocity = &mut velocity[mover.particle as usize];
+        most = f64::max(most, (*now - velocity.to_dvec3()).length());
+        *velocity = R::Vec3::from_dvec3(*now);
     }
+    most
 }
 
 /// Counts the work of parting points from obstacles, once the velocities at the end are known: contact of particles may have
