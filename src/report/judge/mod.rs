@@ -59,8 +59,8 @@ const SAMPLES_PER_WINDOW: u64 = 8;
 /// A scene that has taken this share of the most work is cut short ...
 const TRIAL_SHARE: f64 = 0.1;
 
-/// ... unless all of it would be enough at this many times the speed so far: some violent motions calm down, but the whole of it
-/// may take minutes.
+/// ... unless all of it would be enough at this many times the speed so far. Violent motions calm down, but most scenes that are
+/// slow stay so, and all of the work can take minutes.
 const HOPED_SPEEDUP: f64 = 1.1;
 
 /// How long a scene is watched.

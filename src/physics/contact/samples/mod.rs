@@ -19,10 +19,10 @@
 //! (`clearance`).
 //!
 //! Pushing some points out may lead others in: the search is repeated with the velocities that contact leaves, until it finds
-//! no more points or they hardly differ. Contact changes the velocities that forces predict, after contact between bodies did; the implicit scheme
-//! has the same contacts among its equations. All is computed in
-//! double precision and by one thread, so the number of threads makes no difference. Obstacles do work only by their motion,
-//! and the energy of springs is in the state: so no energy comes from nowhere at any stiffness, see [`super::weighted`].
+//! no more points or they hardly differ. Contact changes the velocities that forces predict, after contact between bodies did;
+//! the implicit scheme has the same contacts among its equations. All is computed in double precision and by one thread, so the
+//! number of threads makes no difference. Obstacles do work only by their motion, and the energy of springs is in the state: so
+//! no energy comes from nowhere at any stiffness, see [`super::weighted`].
 
 mod clearance;
 mod edges;

@@ -46,7 +46,7 @@ pub(super) struct EdgesWorkspace {
     /// For each of them.
     pub(super) points: Vec<EdgePoint>,
     pub(super) buckets: Buckets,
-    /// Where each particle of the body is past the box around those points.
+    /// The outcodes of the body's particles, for the box around those points.
     pub(super) outcodes: Vec<u8>,
     /// Whether each particle of the body is deep in an obstacle, where that is known.
     pub(super) deep: Vec<Option<bool>>,
