@@ -22,8 +22,9 @@
 //! all of its modes ([`ModalBodies`]).
 //!
 //! Contact changes the velocities that forces predict, before obstacles do: obstacles have the last word, and no body is pushed
-//! through the ground. The implicit scheme has the same contacts among its equations, with those of obstacles. All is computed in double precision. Threads search for the points of different bodies in parallel,
-//! which does not change what is found; one thread solves all contacts together, in the order of bodies and points.
+//! through the ground. The implicit scheme has the same contacts among its equations, with those of obstacles. All is computed
+//! in double precision. Threads search for the points of different bodies in parallel, which does not change what is found; one
+//! thread solves all contacts together, in the order of bodies and points.
 //!
 //! Follows Fisher and Lin, *Deformed distance fields for simulation of non-penetrating flexible bodies* (2001). Differs: the
 //! distance at rest is exact for a body made of cubes and kept by cell, not by corner, as all corners of a slab of one cell
