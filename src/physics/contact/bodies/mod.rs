@@ -54,7 +54,7 @@ pub(in crate::physics::contact) use find::{CandidateCell, WayOut, way_out};
 pub(in crate::physics::contact) use inverse_map::InverseMap;
 pub(in crate::physics) use law::pair_law;
 pub(in crate::physics) use near::parts;
-pub(in crate::physics::contact) use outcode::{are_beyond, outcode};
+pub(in crate::physics::contact) use outcode::{are_beyond, write_outcodes};
 pub(in crate::physics) use points::BYTES_A_POINT;
 pub use record::{BodyContact, WeightedParticles};
 pub(in crate::physics) use workspace::BodiesWorkspace;

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use super::buckets::{Buckets, CandidatePoint};
 use super::cell::INSIDE_TOLERANCE;
-use super::outcode::{are_beyond, outcode};
+use super::outcode::{are_beyond, write_outcodes};
 use super::surface_points::SurfacePoints;
 use crate::math::{Aabb, Real};
 use crate::physics::kernels::displacement_bounds;
@@ -274,8 +274,7 @@ impl NeighbourLists {
             self.place_of.clear();
             self.place_of.resize(candidates.len(), 0);
             let region = bounds.grown(reach * (1.0 + ROUNDING_SHARE));
-            self.outcodes.clear();
-            self.outcodes.extend(own.iter().map(|position| outcode(&region, *position)));
+            write_outcodes(&region, own.iter().copied(), &mut self.outcodes);
             for number in candidate_cells(cells, is_itself) {
                 // The corners of most cells are all beyond one side of the region.
                 let corners = &cells.lattice.cells[number as usize];

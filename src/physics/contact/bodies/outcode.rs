@@ -7,8 +7,18 @@ use crate::math::Aabb;
 /// The outcode of a point beyond all sides at once.
 const ALL_SIDES: u8 = 0b11_1111;
 
+/// Writes the outcodes of points for a box over those that were there.
+pub(in crate::physics::contact) fn write_outcodes(
+    region: &Aabb<f64>,
+    positions: impl IntoIterator<Item = DVec3>,
+    outcodes: &mut Vec<u8>,
+) {
+    outcodes.clear();
+    outcodes.extend(positions.into_iter().map(|position| outcode(region, position)));
+}
+
 /// Returns the outcode of a point: a bit for each side of a box that the point is beyond.
-pub(in crate::physics::contact) fn outcode(region: &Aabb<f64>, position: DVec3) -> u8 {
+fn outcode(region: &Aabb<f64>, position: DVec3) -> u8 {
     let bit = |is_beyond: bool, side: u8| u8::from(is_beyond) << side;
     bit(position.x < region.min.x, 0)
         | bit(position.y < region.min.y, 1)
@@ -36,7 +46,8 @@ mod tests {
             })
         };
         let is_left_out = |low: [f64; 3]| {
-            let outcodes = cell_at(low.into()).map(|corner| outcode(&region, corner));
+            let mut outcodes = vec![0; 3];
+            write_outcodes(&region, cell_at(low.into()), &mut outcodes);
             are_beyond(&[0, 1, 2, 3, 4, 5, 6, 7], &outcodes)
         };
         for axis in 0..3 {

@@ -17,7 +17,7 @@ use super::moving_edge::{MARGIN_SHARE, edges_near, moved_bounds};
 use super::workspace::{EdgePoint, EdgesWorkspace, FoundContact, SamplesWorkspace};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::bodies::{
-    CandidateCell, CandidatePoint, Cell, INSIDE_TOLERANCE, InverseMap, WayOut, are_beyond, outcode, way_out,
+    CandidateCell, CandidatePoint, Cell, INSIDE_TOLERANCE, InverseMap, WayOut, are_beyond, way_out, write_outcodes,
 };
 use crate::physics::contact::narrow;
 use crate::physics::kernels::bounds;
@@ -112,8 +112,7 @@ fn locate<R: Real>(body: &BodyModel<R>, workspace: &mut EdgesWorkspace) -> u64 {
     buckets.sort(candidates, &all, size);
     // Most cells are far from the few points that an obstacle has near the body.
     let region = all.grown(2.0 * INSIDE_TOLERANCE * size);
-    outcodes.clear();
-    outcodes.extend(predicted.iter().map(|position| outcode(&region, *position)));
+    write_outcodes(&region, predicted.iter().copied(), outcodes);
     let mut tests = 0;
     for &cell in &body.hull().outer_cells {
         if are_beyond(&body.lattice.cells[cell as usize], outcodes) {
