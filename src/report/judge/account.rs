@@ -7,7 +7,7 @@ use super::fault::{Fault, MAX_ENERGY_GAIN, REACH_TOLERANCE};
 use super::pinch::pinched_speed;
 use super::rounding::Rounding;
 use crate::math::{Real, Vector};
-use crate::physics::{BodyModel, ObstacleModel, SAFETY, Simulation, StepReport};
+use crate::physics::{BodyModel, SAFETY, Simulation, StepReport};
 use crate::physics::{Diagnostics, Energy};
 
 /// Particles below this share of the mean mass are light: a corner of a cube of one solid weighs more.
@@ -37,7 +37,7 @@ pub(super) struct EnergyAccount {
     light_mass_kg: f64,
     /// Whether it has met itself.
     has_self_contact: bool,
-    /// Whether it meets obstacles by points that its cells carry: those of its mesh, or of obstacles' edges.
+    /// Whether it meets obstacles by points of its mesh, which its cells carry.
     meets_by_points: bool,
     /// The largest speed to which a single contact spring could push its particle, if the particle had no links, m/s; at the
     /// start and since the body met a moving surface.
@@ -68,7 +68,6 @@ impl EnergyAccount {
         let own_at_start = own(&start).max(own(&without_contact) + start.energy.contact);
         let model = simulation.model();
         let gravity = model.gravity.to_dvec3();
-        let has_edges = model.obstacles.iter().any(ObstacleModel::has_edges);
         let now = start.clone();
         Self {
             body,
@@ -83,7 +82,7 @@ impl EnergyAccount {
             max_stored_energy: 0.0,
             light_mass_kg: light_mass(&simulation.model().bodies[body]),
             has_self_contact: false,
-            meets_by_points: has_edges || model.bodies[body].sample_count() > 0,
+            meets_by_points: model.bodies[body].sample_count() > 0,
             max_release_speed: 0.0,
             gravity,
             dt: simulation.plan().substep_secs(),
@@ -235,8 +234,8 @@ impl EnergyAccount {
     /// - A light part that an obstacle catches while the heavy rest flies on is thrown by the springs between them. If the
     ///   body meets itself, the heavy rest may also strike the light part with all its energy.
     /// - The body may fly apart with the energy of rounding errors, and with the energy that other bodies could give it.
-    /// - Bodies meet each other by points of their cells, as their meshes and obstacles' edges do. A cell thrown back at a point
-    ///   near a corner may give that corner the energy of all its eight corners: √8 times the speed.
+    /// - Bodies meet each other by points of their cells, and meshes meet obstacles so. A cell thrown back at a point near a
+    ///   corner may give that corner the energy of all its eight corners: √8 times the speed.
     fn reach(&self, seconds: f64, given: Option<f64>) -> f64 {
         let stored = (own(&self.start) - self.start.energy.kinetic).max(self.max_squeezed_energy)
             + self.sudden_work
