@@ -36,8 +36,8 @@ pub(super) fn fill(
     // Holes that are small for the model are closed first, so that air does not get in even if they are larger than a cell.
     let fill_solid = || {
         let patched = if facts.closed { None } else { Patched::of(mesh).filter(|patched| patched.holes > 0) };
-        let Some(Patched { whole, .. }) = patched else { return Ok((shell(0.0)?.solid(), "")) };
-        let whole = QuantizedMesh::within(&whole, quantized.grid);
+        let Some(Patched { whole, lids, .. }) = patched else { return Ok((shell(0.0)?.solid(), "")) };
+        let whole = quantized.with(&TriMesh { triangles: lids, ..whole });
         let chunks = whole.triangles.len().div_ceil(shell::CHUNK_TRIANGLES);
         let solid = Shell::new(&whole, &CountedProgress::new(watch, chunks, [0.0, 0.9]))?.solid();
         Ok((solid, ", once its small holes are closed"))

@@ -16,6 +16,8 @@ const MAX_TOTAL_HOLE_SHARE: f64 = 0.25;
 #[derive(Debug)]
 pub(super) struct Patched {
     pub(super) whole: TriMesh,
+    /// The triangles of it that close holes.
+    pub(super) lids: Vec<[u32; 3]>,
     /// Only the closed pieces, if other pieces stay open.
     pub(super) closed: Option<TriMesh>,
     /// How many holes were closed.
@@ -70,9 +72,11 @@ impl Patched {
         if whole.is_empty() {
             return None;
         }
-        whole.extend(caps.iter().copied().filter(|(piece, _)| is_closed(*piece)));
-        let lids = caps.iter().filter(|(piece, _)| !is_closed(*piece));
-        let lidded_triangles = rest.iter().chain(lids).filter(|(piece, _)| is_orientable[*piece as usize]);
+        let closing = || caps.iter().copied().filter(|(piece, _)| is_closed(*piece));
+        let lids = closing().map(|(_, triangle)| triangle).collect();
+        whole.extend(closing());
+        let of_openings = caps.iter().filter(|(piece, _)| !is_closed(*piece));
+        let lidded_triangles = rest.iter().chain(of_openings).filter(|(piece, _)| is_orientable[*piece as usize]);
         let lidded_volume = enclosed_volume(&positions, lidded_triangles, areas.len());
         let mesh = |of_pieces: &[(u32, [u32; 3])], positions| {
             let triangles = of_pieces.iter().map(|(_, triangle)| *triangle).collect();
@@ -80,7 +84,7 @@ impl Patched {
         };
         let closed = (!rest.is_empty()).then(|| mesh(&whole, positions.clone()));
         whole.extend(rest);
-        Some(Self { whole: mesh(&whole, positions), closed, holes, lidded_volume })
+        Some(Self { whole: mesh(&whole, positions), lids, closed, holes, lidded_volume })
     }
 }
 

@@ -56,6 +56,12 @@ impl QuantizedMesh {
         Self { grid, padded, triangles: triangles(mesh, dims, place) }
     }
 
+    /// Returns the mesh together with another that its grid covers.
+    pub(super) fn with(&self, other: &TriMesh) -> Self {
+        let Self { triangles: more, .. } = Self::within(other, self.grid);
+        Self { triangles: [&self.triangles[..], &more].concat(), grid: self.grid, padded: self.padded }
+    }
+
     /// Whether the mesh has no thickness along some axis.
     pub(super) fn is_flat(&self) -> bool {
         let mut corners = self.triangles.iter().flatten();

@@ -224,6 +224,18 @@ fn the_tree_is_its_blocks_and_stands_on_its_roots() {
     assert_eq!(roots, 21, "the lowest layer");
 }
 
+/// A triangle, one with two corners at the same place, and one whose corners are in a line.
+#[test]
+fn solid_holds_what_a_triangle_without_width_touches() {
+    let corners = [[0, 0, 0], [6, 6, 8], [6, 6, 8], [0, 0, 0], [0, 0, 1], [0, 1, 0], [0, 1, 8], [2, 1, 8], [1, 1, 8]];
+    let positions: Vec<DVec3> =
+        corners.iter().map(|corner: &[u8; 3]| DVec3::from_array(corner.map(f64::from))).collect();
+    let mesh = TriMesh { triangles: vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]], positions };
+    let [surface, solid] = [OccupancyChoice::Surface, OccupancyChoice::Solid].map(|how| run(&mesh, 2, how, Keep::All));
+    assert!(surface.cells.filled.is_subset(&solid.cells.filled), "{:?} of {:?}", surface.cells, solid.cells);
+    assert!(surface.cells.is_filled([0, 0, 0]) && surface.cells.count() > 2, "{:?}", surface.cells);
+}
+
 #[test]
 fn the_coupler_is_one_body_with_a_bore_at_every_resolution() {
     let coupler = asset(include_bytes!("../../../assets/coupler.obj"));
