@@ -62,7 +62,8 @@ pub enum Integrator {
     Verlet,
     /// Runge–Kutta of second order (midpoint). Grows slowly without damping.
     Rk2,
-    /// The classical Runge–Kutta method of fourth order.
+    /// The classical Runge–Kutta method of fourth order. Both leave steps near obstacles and other bodies, and those in which a
+    /// hand pulls, to semi-implicit Euler.
     Rk4,
     /// Runge–Kutta–Chebyshev of second order: the damping sets the number of evaluations of the forces, which grows with the
     /// root of the step.

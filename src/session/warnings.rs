@@ -301,8 +301,8 @@ mod tests {
         };
         assert!(!said_of_ball(|_| ()), "points on it meet cells");
         let by_hand: fn(&mut Settings) =
-            |settings| (settings.stepping, settings.integrator) = (Stepping::Manual, Integrator::Rk4);
-        assert!(said_of_ball(by_hand), "manual steps of RK4 have no place for that");
+            |settings| (settings.stepping, settings.integrator) = (Stepping::Manual, Integrator::Stabilised);
+        assert!(said_of_ball(by_hand), "manual steps of the stabilised scheme have no place for that");
         assert!(said_of_ball(|settings| settings.contact = ContactRule::Thesis), "the thesis knows particles alone");
     }
 

@@ -29,6 +29,7 @@ mod parts;
 mod placing;
 mod presets;
 mod recovery;
+mod runge_kutta;
 mod samples;
 mod sleep;
 mod solid;

@@ -79,7 +79,8 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let rates = stabilised_limits.filter(|_| scheme == Scheme::Stabilised).map(|limits| stage_rates(model, limits));
     let division = candidates.iter().find(|candidate| candidate.0 == scheme).map_or(requested, |candidate| candidate.1);
     let (StepDivision { dt_secs, substeps, span }, secs) = (division, division.substep_secs());
-    let of_contact = Substeps { scheme, secs, divided };
+    let stable_secs = limits.dt_safe_secs.filter(|_| settings.integrator.has_stable_step());
+    let of_contact = Substeps { scheme, secs, divided, stable_secs };
     let plan = Plan {
         scheme,
         scheme_costs,
@@ -103,6 +104,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
         contact,
         between_bodies: body_contact_plan(model, &semi_implicit, of_contact),
         on_mesh: mesh_contact_plan(model, &semi_implicit, of_contact).filter(|_| contact && !by_thesis),
+        at_obstacles: obstacle_contact_plan(model, &semi_implicit, of_contact),
         contact_rule,
         pressing_force: true,
         watched: !divided,
@@ -131,12 +133,15 @@ struct Substeps {
     secs: f64,
     /// Whether steps are divided until they are stable.
     divided: bool,
+    /// The longest ones that are stable with the scheme in the settings, s; none where no step is, or every one.
+    stable_secs: Option<f64>,
 }
 
 /// How substeps are taken in which bodies come near each other or themselves. The implicit scheme may solve for
 /// them, unless modal bodies are among them. For the others contact between bodies is an impulse on predicted velocities.
-/// Schemes that have no place for it leave such substeps to the default scheme, in parts, where steps are `divided`. Where they
-/// are not, or would need too many parts, there is no contact between bodies.
+/// Schemes that have no place for it leave such substeps to the default scheme, in parts, where steps are `divided`; those of
+/// Runge and Kutta do so in manual stepping, too. Else, or where it would take too many parts, there is no contact between
+/// bodies.
 fn body_contact_plan<R: Real>(
     model: &Model<R>,
     semi_implicit: &SceneLimits,
@@ -146,7 +151,7 @@ fn body_contact_plan<R: Real>(
     if meeting < 2 && !model.bodies.iter().any(BodyModel::meets_itself) {
         return None;
     }
-    let takes_impulses = !matches!(substeps.scheme, Scheme::Implicit | Scheme::Stabilised);
+    let takes_impulses = matches!(substeps.scheme, Scheme::SemiImplicit | Scheme::Verlet | Scheme::Explicit);
     point_contact_plan(model, semi_implicit, substeps, takes_impulses)
 }
 
@@ -166,6 +171,17 @@ fn mesh_contact_plan<R: Real>(
     point_contact_plan(model, semi_implicit, substeps, takes_impulses)
 }
 
+/// The same for substeps in which a body comes near an obstacle, or a hand pulls at one, with a scheme that leaves them to the
+/// default one.
+fn obstacle_contact_plan<R: Real>(
+    model: &Model<R>,
+    semi_implicit: &SceneLimits,
+    substeps: Substeps,
+) -> Option<BodyContactPlan> {
+    let plan = || impulse_contact_plan(model, semi_implicit, substeps, false);
+    substeps.scheme.leaves_contact().then(plan).flatten()
+}
+
 /// How substeps with contact of points are taken: by impulses on predicted velocities; where the implicit scheme
 /// is in use it may solve for them.
 fn point_contact_plan<R: Real>(
@@ -174,7 +190,7 @@ fn point_contact_plan<R: Real>(
     substeps: Substeps,
     takes_impulses: bool,
 ) -> Option<BodyContactPlan> {
-    let Substeps { scheme, secs, divided } = substeps;
+    let Substeps { scheme, secs, divided, .. } = substeps;
     let plan = impulse_contact_plan(model, semi_implicit, substeps, takes_impulses);
     let is_solved_for = scheme == Scheme::Implicit && model.bodies.iter().all(|body| body.modal.is_none());
     if !is_solved_for {
@@ -195,22 +211,25 @@ fn impulse_contact_plan<R: Real>(
     substeps: Substeps,
     takes_impulses: bool,
 ) -> Option<BodyContactPlan> {
-    let Substeps { scheme, secs, divided } = substeps;
+    let Substeps { scheme, secs, divided, stable_secs } = substeps;
     if takes_impulses {
         let strained_parts = if divided { any_state::parts(model, scheme, secs) } else { 1 };
         return Some(BodyContactPlan { scheme, parts: 1, strained_parts, parts_a_solve: None });
     }
-    if !divided {
+    if !divided && !scheme.leaves_contact() {
         return None;
     }
-    let parts = semi_implicit.dt_safe_secs.map_or(1.0, |safe| (secs / safe).max(1.0));
+    // In manual stepping the parts are stable where the scheme is, and blow up where it does.
+    let longest = if divided { Some(secs) } else { stable_secs.map(|stable| secs.min(stable)) };
+    let parts = longest.zip(semi_implicit.dt_safe_secs).map_or(1.0, |(longest, safe)| (longest / safe).max(1.0));
     if parts > f64::from(MOST_PARTS_BETWEEN_BODIES) {
         return None;
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from one up, saturating")]
     let parts = libm::ceil(parts) as u32;
     let scheme = Scheme::SemiImplicit;
-    let strained_parts = parts.saturating_mul(any_state::parts(model, scheme, secs / f64::from(parts)));
+    let strained = if divided { any_state::parts(model, scheme, secs / f64::from(parts)) } else { 1 };
+    let strained_parts = parts.saturating_mul(strained);
     Some(BodyContactPlan { scheme, parts, strained_parts, parts_a_solve: None })
 }
 

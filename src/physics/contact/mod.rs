@@ -11,7 +11,8 @@
 //! ```text
 //! particles   candidate: what each particle near an obstacle meets; response: the law; between, gauss_seidel: several obstacles
 //!             at one particle; account: the energy of all that
-//! search      broad, near_particles, distance_cache: what is far; narrow, swept_point, surface: where a path meets a shape
+//! search      near: whether a body comes near at all; broad, near_particles, distance_cache: what is far; narrow, swept_point,
+//!             surface: where a path meets a shape
 //! schemes     constraint, solved: contact within the equations of the implicit scheme, of points by weighted::equations;
 //!             held: through the stages of the stabilised scheme; thesis: the thesis's own rule
 //! obstacles   placed, moving, sweep: where obstacles are on their way; arrive, approach, way_out: those put into a body
@@ -39,6 +40,7 @@ mod gauss_seidel;
 mod held;
 mod moving;
 mod narrow;
+pub(super) mod near;
 mod near_particles;
 pub(super) mod placed;
 mod record;

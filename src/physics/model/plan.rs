@@ -101,11 +101,12 @@ impl StageRates {
 /// millions of times as stiff as jelly, and a second of them would take hours.
 pub const MOST_PARTS_BETWEEN_BODIES: u32 = 1 << 14;
 
-/// How substeps are taken in which bodies come near each other, or their meshes near obstacles.
+/// How substeps are taken in which bodies come near each other or obstacles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyContactPlan {
     /// The scheme that takes them, unless the implicit one does. Such contact is an impulse on the predicted velocities, for
-    /// which the stabilised scheme has no place, nor has the implicit one where modal bodies are among the bodies.
+    /// which the stabilised scheme and those of Runge and Kutta have no place, nor has the implicit one where modal bodies are
+    /// among the bodies.
     pub scheme: Scheme,
     /// The fewest parts that they are divided into.
     pub parts: u32,
@@ -167,6 +168,9 @@ pub struct Plan {
     /// How points of bodies' meshes meet obstacles; none where no body has such points, or no scheme can take such steps:
     /// then the bodies' cells meet obstacles.
     pub on_mesh: Option<BodyContactPlan>,
+    /// How substeps are taken in which a body comes near an obstacle, or a hand pulls at one, where the scheme has no place for
+    /// that; none where it has, or there is nothing to meet.
+    pub at_obstacles: Option<BodyContactPlan>,
     /// Whether any obstacle is a sphere.
     pub(in crate::physics) spheres: bool,
     /// Whether any obstacle has friction.
@@ -191,6 +195,11 @@ impl Plan {
         self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
     }
 
+    /// How substeps with any of the contacts that have a plan of their own are taken.
+    pub(in crate::physics) fn contact_plan(&self) -> Option<BodyContactPlan> {
+        self.on_mesh.or(self.between_bodies).or(self.at_obstacles)
+    }
+
     /// Whether the scheme may solve for substeps in contact of points as a whole.
     pub fn may_solve_for_contact(&self) -> bool {
         [self.between_bodies, self.on_mesh].into_iter().flatten().any(|plan| plan.parts_a_solve.is_some())
@@ -199,7 +208,7 @@ impl Plan {
     /// The parts that substeps are divided into in which points of bodies come near each other or an obstacle, where these are
     /// more than one: at rest, and while a body is strained.
     pub fn parts_in_contact(&self) -> Option<[u32; 2]> {
-        let plans = [self.between_bodies, self.on_mesh].into_iter().flatten();
+        let plans = [self.between_bodies, self.on_mesh, self.at_obstacles].into_iter().flatten();
         let divided = plans.filter(|plan| plan.parts > 1 && plan.parts < u32::MAX);
         divided.map(|plan| [plan.parts, plan.strained_parts]).max()
     }

@@ -2,10 +2,9 @@
 //!
 //! A scheme is given the forces at the state and predicts the velocities at the end of the substep. Contact changes them,
 //! once. Some schemes move particles with another velocity, or evaluate forces again on the way. They then go through the
-//! substep once more, with the change by contact as a constant force, so that a body at rest stays at rest. A particle that
-//! contact pushed keeps the velocity contact left it through all stages of RK2 and RK4: it takes leapfrog steps, and its
-//! neighbours see where it goes. If it followed its links from stage to stage, it would push on them with an error of its
-//! own, `h³/24 d³x/dt³`, against the damping: in an undamped body vibrations would grow. A scheme never writes to the state,
+//! substep once more, with the change by contact as a constant force. RK2 and RK4 meet obstacles so only where these were not
+//! foreseen: they leave substeps near them and near other bodies, and those in which a hand pulls, to semi-implicit Euler, of
+//! second order too where its velocities are half a substep behind ([`Scheme::leaves_contact`]). A scheme never writes to the state,
 //! except for what it must remember once a substep is accepted, and knows nothing of obstacles.
 //!
 //! ```text
@@ -80,51 +79,31 @@ impl<R: Real> Stepper<'_, R> {
     }
 
     /// Goes through the substep once more for schemes that move particles with another velocity than that at its end: writes
-    /// both velocities. The change of the predicted velocities acts as a constant force. A particle that was pushed keeps
-    /// the velocity that this gave it, in all stages of RK2 and RK4 and to the end. Particles that other bodies alone have
-    /// `moved` do not: contact between bodies gives as much momentum as it takes, and so must what follows from it.
-    pub(super) fn refine(&mut self, velocity: &mut [R::Vec3], moved: &[(usize, R::Vec3)], recorder: &mut Recorder<'_>) {
-        if self.substep.scheme == Scheme::Stabilised {
-            stabilised::refine(self, velocity, recorder);
-            return;
-        }
-        if !moves_by_mean(self.substep.scheme) {
-            return;
-        }
-        self.workspace.after_contact.copy_from_slice(velocity);
-        self.note_pushed(moved);
+    /// both velocities. The change of the predicted velocities acts as a constant force. Explicit Euler moves particles that
+    /// contact changed by the velocity it left them.
+    pub(super) fn refine(&mut self, velocity: &mut [R::Vec3], recorder: &mut Recorder<'_>) {
         match self.substep.scheme {
-            Scheme::Rk2 => rk2::refine(self, velocity, recorder),
-            Scheme::Rk4 => rk4::refine(self, velocity, recorder),
-            _ => {}
-        }
-        let SchemeWorkspace { mean_velocity: Some(mean_velocity), pushed, .. } = self.workspace else { return };
-        if self.substep.scheme == Scheme::Explicit {
-            mean_velocity.copy_from_slice(&self.substep.state.velocity);
-        }
-        for &(particle, after) in &*pushed {
-            velocity[particle] = after;
-            mean_velocity[particle] = after;
+            Scheme::Explicit => self.write_explicit_paths(velocity),
+            Scheme::Rk2 | Scheme::Rk4 => {
+                self.workspace.after_contact.copy_from_slice(velocity);
+                if self.substep.scheme == Scheme::Rk2 {
+                    rk2::refine(self, velocity, recorder);
+                } else {
+                    rk4::refine(self, velocity, recorder);
+                }
+            }
+            Scheme::Stabilised => stabilised::refine(self, velocity, recorder),
+            Scheme::SemiImplicit | Scheme::Verlet | Scheme::Implicit => {}
         }
     }
 
-    /// Lists the particles whose predicted velocities were changed, except those that only other bodies changed.
-    fn note_pushed(&mut self, moved: &[(usize, R::Vec3)]) {
-        let SchemeWorkspace { predicted, after_contact, pushed, .. } = &mut *self.workspace;
-        pushed.clear();
-        let changed = (0..after_contact.len()).filter(|&particle| after_contact[particle] != predicted[particle]);
-        pushed.extend(changed.map(|particle| (particle, after_contact[particle])));
-        if self.substep.scheme == Scheme::Explicit {
-            return;
+    /// Writes the velocities that move particles in explicit Euler.
+    fn write_explicit_paths(&mut self, velocity: &[R::Vec3]) {
+        let SchemeWorkspace { mean_velocity: Some(mean_velocity), predicted, .. } = self.workspace else { return };
+        let both = velocity.iter().zip(&*predicted).zip(&self.substep.state.velocity);
+        for (mean, ((after, predicted), before)) in mean_velocity.iter_mut().zip(both) {
+            *mean = if after == predicted { *before } else { *after };
         }
-        for &(particle, after) in moved {
-            if let Ok(place) = pushed.binary_search_by_key(&particle, |one| one.0)
-                && pushed[place].1 == after
-            {
-                pushed[place].1 = predicted[particle];
-            }
-        }
-        pushed.retain(|&(particle, after)| after != predicted[particle]);
     }
 }
 

@@ -26,8 +26,6 @@ pub(in crate::physics) struct SchemeWorkspace<R: Real> {
     pub(super) predicted: Vec<R::Vec3>,
     /// The velocities that contact left, m/s.
     pub(super) after_contact: Vec<R::Vec3>,
-    /// The particles that contact pushed, and the velocities that it left them for all stages, m/s.
-    pub(super) pushed: Vec<(usize, R::Vec3)>,
     /// Positions at which forces are evaluated between two states, m.
     pub(super) position: Vec<R::Vec3>,
     /// Velocities with which forces are evaluated, if not those of the state, m/s.
@@ -45,13 +43,11 @@ impl<R: Real> SchemeWorkspace<R> {
     pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
         let room = |needed: bool| vec![R::Vec3::ZERO; if needed { model.particle_count() } else { 0 }];
         let has_stages = matches!(plan.scheme, Scheme::Rk2 | Scheme::Rk4 | Scheme::Stabilised);
-        let has_changes = moves_by_mean(plan.scheme) && plan.scheme != Scheme::Stabilised;
         let surface = || model.bodies.iter().map(|body| body.lattice.surface).sum();
         Self {
             mean_velocity: (moves_by_mean(plan.scheme) || plan.scheme == Scheme::Implicit).then(|| room(true)),
             predicted: room(moves_by_mean(plan.scheme)),
-            after_contact: room(has_changes),
-            pushed: Vec::with_capacity(if has_changes { model.particle_count() } else { 0 }),
+            after_contact: room(matches!(plan.scheme, Scheme::Rk2 | Scheme::Rk4)),
             position: room(has_stages),
             velocity: room(has_stages || plan.scheme == Scheme::Verlet),
             force: room(has_stages),
@@ -103,17 +99,13 @@ impl<R: Real> Stepper<'_, R> {
 
     /// Goes from the state for `ahead` (s) along the slope of the last stage, and evaluates the forces there.
     pub(super) fn next_stage(&mut self, ahead: R, recorder: &mut Recorder<'_>) {
-        let SchemeWorkspace { position, velocity, force, pushed, .. } = self.workspace;
+        let SchemeWorkspace { position, velocity, force, .. } = self.workspace;
         for ((position, start), velocity) in position.iter_mut().zip(&self.substep.state.position).zip(velocity.iter())
         {
             *position = *start + *velocity * ahead;
         }
         velocity.copy_from_slice(&self.substep.state.velocity);
         kick(self.substep.model, self.substep.plan.simd, &self.substep.state.bodies, ahead, force, velocity);
-        for &(particle, after) in &*pushed {
-            position[particle] = self.substep.state.position[particle] + after * ahead;
-            velocity[particle] = after;
-        }
         let at = Configuration { position, velocity, residual: None };
         forces::evaluate(self.substep, at, force, None, self.forces, recorder);
         for (force, held) in force.iter_mut().zip(self.thesis_force.into_iter().flatten()) {

@@ -370,8 +370,8 @@ fn pass_contacts_to_stages<R: Real>(substep: Substep<'_, R>, workspace: &mut Ste
 
 /// Finds the velocities at the end and the mean velocities, with more forces on the way where the scheme has stages.
 fn refine<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let (mut stepper, contact, velocity) = workspace.stepper(substep);
-    stepper.refine(velocity, &contact.bodies.changed_velocities, recorder);
+    let (mut stepper, _, velocity) = workspace.stepper(substep);
+    stepper.refine(velocity, recorder);
     if !schemes::moves_by_mean(substep.scheme) {
         // The part is taken by another scheme than the plan's.
         if let Some(mean_velocity) = &mut workspace.scheme.mean_velocity {

@@ -5,7 +5,8 @@
 //! span       one or several steps: `Plan::substeps` substeps, as many as the scheme's stability limit at rest asks for
 //! substep    whole, or in equal parts: up to `Plan::parts` while links are strained (strain); as many as a scheme with a
 //!            place for the contact needs while bodies come near each other or themselves (`Plan::between_bodies`) or
-//!            points of a body's mesh come near an obstacle (`Plan::on_mesh`); and in parts where the stabilised scheme
+//!            points of a body's mesh come near an obstacle (`Plan::on_mesh`), or any body with the schemes of Runge and
+//!            Kutta (`Plan::at_obstacles`); and in parts where the stabilised scheme
 //!            finds that contact tears bodies apart in the whole. The implicit scheme takes those in which bodies come near
 //!            each other itself, in halves short enough that none travels past another, where that is cheaper
 //! part       the implicit scheme may refuse it, where its linear equations would give energy from nowhere: it is then
@@ -23,7 +24,7 @@ pub(in crate::physics) mod strain;
 #[cfg(test)]
 mod strain_tests;
 
-use super::contact::{ContactWorkspace, Placed, arrive, bodies, samples, sweep};
+use super::contact::{ContactWorkspace, Placed, arrive, bodies, near, samples, sweep};
 use super::forces::ForceWorkspace;
 use super::forces::strain::StraightMotion;
 use super::interaction::Grab;
@@ -53,10 +54,10 @@ pub(super) fn advance<R: Real>(
     let mut recorder = Recorder::new(timer);
     workspace.contact.bodies.pushed_pairs.clear();
     workspace.contact.bodies.store_self_proximity(state);
-    if plan.on_mesh.is_some() {
+    if plan.on_mesh.is_some() || plan.at_obstacles.is_some() {
         obstacles.place(model, state, plan.substep_secs());
     }
-    let mut division = Division::of(model, plan, state, obstacles, workspace);
+    let mut division = Division::of(model, plan, state, (obstacles, grab.is_some()), workspace);
     let mut ending = Ending::Taken;
     while let Some(part) = division.next(plan, state, &mut recorder.counters) {
         obstacles.place(model, state, part.secs);
@@ -125,7 +126,7 @@ fn advance_modal<R: Real>(
 pub(in crate::physics) fn whole_substep(plan: &Plan) -> Part {
     Part {
         secs: plan.substep_secs(),
-        scheme: plan.on_mesh.or(plan.between_bodies).map_or(plan.scheme, |contact_plan| contact_plan.scheme),
+        scheme: plan.contact_plan().map_or(plan.scheme, |contact_plan| contact_plan.scheme),
         is_strained: false,
         bodies_are_near: plan.between_bodies.is_some(),
         points_are_near: plan.on_mesh.is_some(),
@@ -143,7 +144,7 @@ pub(in crate::physics) fn first_part<R: Real>(
 ) -> Part {
     let obstacles = Placed::now(model, state);
     let Division { parts, secs, scheme, bodies_are_near, points_are_near, .. } =
-        Division::of(model, plan, state, &obstacles, workspace);
+        Division::of(model, plan, state, (&obstacles, false), workspace);
     Part { secs, scheme, is_strained: parts > 1, bodies_are_near, points_are_near, ..whole_substep(plan) }
 }
 
@@ -174,16 +175,16 @@ struct Division {
 }
 
 impl Division {
-    /// The division of the coming substep.
+    /// The division of the coming substep, in which obstacles are there and a hand pulls or not.
     fn of<R: Real>(
         model: &Model<R>,
         plan: &Plan,
         state: &mut State<R>,
-        obstacles: &Placed<R>,
+        (obstacles, hand_pulls): (&Placed<R>, bool),
         workspace: &mut StepWorkspace<R>,
     ) -> Self {
         let StepWorkspace { contact: ContactWorkspace { bodies: of_bodies, .. }, forces, .. } = workspace;
-        let needs_speeds = plan.parts > 0 || plan.between_bodies.is_some() || plan.on_mesh.is_some();
+        let needs_speeds = plan.parts > 0 || plan.contact_plan().is_some();
         of_bodies.velocity_bounds.clear();
         let bodies = model.bodies.iter().filter(|_| needs_speeds);
         of_bodies.velocity_bounds.extend(bodies.map(|body| checks::velocity_bounds(body, plan, state)));
@@ -197,7 +198,10 @@ impl Division {
             plan.on_mesh.filter(|_| samples::comes_near((model, plan, obstacles), state, velocity_bounds, secs));
         let points_are_near = on_mesh.is_some();
         // The scheme for contact of meshes with obstacles has a place for contact between bodies, too.
-        let contact_plan = on_mesh.or(plan.between_bodies.filter(|_| bodies_are_near));
+        let contact_plan =
+            on_mesh.or(plan.between_bodies.filter(|_| bodies_are_near)).or(plan.at_obstacles.filter(|_| {
+                hand_pulls || near::comes_near_obstacle((model, plan, obstacles), state, velocity_bounds, secs)
+            }));
         let contact_parts = contact_plan.map(|contact_plan| contact_plan.parts.max(by_travel.unwrap_or(1)));
         let halvings = by_travel.unwrap_or(1).next_power_of_two().trailing_zeros();
         let solve_cost =

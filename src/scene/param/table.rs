@@ -10,7 +10,7 @@ const MAX_COORDINATE: f64 = 1e4;
 pub const PARAMS: &[Param] = &[
     integer("version", 1, VERSION as i64, "The version of the scene format."),
     number("settings.dt", "s", 1e-6, 0.1, "The step asked for; automatic stepping divides it where it must. Well damped bodies cost less in steps of 4 ms than of 1 ms.").log(),
-    words("settings.integrator", &["semi_implicit", "explicit", "verlet", "rk2", "rk4", "stabilised", "implicit"], "The scheme that advances a step; explicit and rk2 are never quite stable and step as they are told."),
+    words("settings.integrator", &["semi_implicit", "explicit", "verlet", "rk2", "rk4", "stabilised", "implicit"], "The scheme that advances a step; explicit and rk2 are never quite stable and step as they are told; rk2 and rk4 leave steps near obstacles and other bodies, and those in which a hand pulls, to semi_implicit."),
     words("settings.stepping", &["auto", "manual"], "Whether the program divides steps so that they stay stable."),
     words("settings.contact", &["implicit", "thesis"], "How obstacles push back; the thesis's rule is there to teach with."),
     flag("settings.body_contact", "Whether bodies meet each other; where it is off they pass through one another."),

@@ -82,13 +82,11 @@ pub(in crate::physics) fn meet<R: Real>(
     recorder: &mut Recorder<'_>,
 ) {
     find_contacts(substep, velocity, modal, workspace, recorder);
-    let BodiesWorkspace { constraints, movers, changed_velocities, .. } = &mut *workspace;
+    let BodiesWorkspace { constraints, movers, .. } = &mut *workspace;
     weighted::solve(constraints, movers, modal, substep.dt.to_f64());
     for (mover, now) in movers.all.iter().zip(&movers.velocity) {
         if *now != mover.predicted_velocity {
-            let (particle, after) = (mover.particle as usize, R::Vec3::from_dvec3(*now));
-            velocity[particle] = after;
-            changed_velocities.push((particle, after));
+            velocity[mover.particle as usize] = R::Vec3::from_dvec3(*now);
         }
     }
     for mover in movers.modal.all() {

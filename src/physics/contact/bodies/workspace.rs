@@ -44,8 +44,6 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
     pub(super) points: Vec<PointsWorkspace>,
     pub(super) movers: Movers,
     pub(super) constraints: Vec<PointConstraint>,
-    /// The particles that contact between bodies has just given another velocity, and that velocity, m/s.
-    pub(in crate::physics) changed_velocities: Vec<(usize, R::Vec3)>,
     /// The pairs of bodies that pushed each other since this was cleared.
     pub(in crate::physics) pushed_pairs: Vec<[usize; 2]>,
     /// How many contacts of sleeping bodies come before those of the present substep.
@@ -93,7 +91,6 @@ impl<R: Real> BodiesWorkspace<R> {
             pairs: Vec::with_capacity(2 * all.min(bodies * bodies)),
             points: surfaces().map(|points| PointsWorkspace::new(points, bodies)).collect(),
             movers: Movers::new(count, PARTICLE_CONTACT_PARTICLES * all),
-            changed_velocities: Vec::with_capacity(count),
             pushed_pairs: Vec::with_capacity((bodies * bodies).min(all)),
             constraints: Vec::with_capacity(all),
             kept: 0,
@@ -130,11 +127,10 @@ impl<R: Real> BodiesWorkspace<R> {
         self.pushing_pairs().count()
     }
 
-    /// Forgets all contacts but those between sleeping bodies, and which particles were moved.
+    /// Forgets all contacts but those between sleeping bodies.
     pub(in crate::physics) fn keep_sleeping_contacts(&mut self, model: &Model<R>, plan: &Plan, state: &State<R>) {
         let both_sleep =
             |bodies: &[usize; 2]| bodies.iter().all(|body| !sleep::moves(model, plan, &state.bodies[*body]));
-        self.changed_velocities.clear();
         self.contacts.retain(|contact| both_sleep(&contact.bodies));
         self.presses.clear();
         self.presses.extend(state.presses.iter().filter(|press| both_sleep(&press.bodies)));
