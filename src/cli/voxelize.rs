@@ -35,7 +35,7 @@ pub(super) struct VoxelizeArgs {
     #[arg(long, value_enum, default_value_t = Occupancy::Auto)]
     occupancy: Occupancy,
     /// Which connected pieces of the cells are kept.
-    #[arg(long, value_enum, default_value_t = KeepWord::Largest)]
+    #[arg(long, value_enum, default_value_t = KeepWord::All)]
     keep: KeepWord,
     /// The axis of the model that points up: y, z, x, -y, -z, -x, or auto, which is z where it stands only that
     /// way and y otherwise.
