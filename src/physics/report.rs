@@ -185,10 +185,15 @@ impl<'a> Recorder<'a> {
     /// Notes that a part of `secs` (s) was taken, after which `bodies_asleep` bodies sleep. The substep cannot be given up
     /// from now on.
     pub(super) fn note_part(&mut self, secs: f64, bodies_asleep: usize) {
-        self.may_be_given_up = false;
+        self.forbid_stop();
         self.counters.substeps += 1;
         self.counters.shortest_secs = Some(self.counters.shortest_secs.map_or(secs, |shortest| shortest.min(secs)));
         self.last.bodies_asleep = bodies_asleep;
+    }
+
+    /// The substep cannot be given up from now on: the state has changed.
+    pub(super) fn forbid_stop(&mut self) {
+        self.may_be_given_up = false;
     }
 
     /// A stage begins and the one before it ends.

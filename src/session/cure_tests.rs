@@ -65,6 +65,8 @@ fn every_cure_that_is_offered_holds_and_no_step_cures_a_scheme_without_a_stable_
         for stepping in [Stepping::Auto, Stepping::Manual] {
             let scene = exploding(|scene| {
                 (scene.settings.integrator, scene.settings.stepping) = (integrator, stepping);
+                // On the ground RK2 leaves steps to semi-implicit Euler, in parts that are stable up to its own limit.
+                scene.settings.dt = 2e-3;
             });
             let trouble = check(&scene, integrator.name());
             assert!(trouble.words.contains("no stable step"), "the reason: {}", trouble.words);

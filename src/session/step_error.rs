@@ -201,9 +201,11 @@ fn order(scheme: Scheme) -> u32 {
 
 /// The least number of evaluations of the forces in a substep.
 fn evaluations(plan: &Plan) -> f64 {
+    // Near an obstacle semi-implicit Euler may take it.
+    let in_contact = plan.at_obstacles.filter(|_| plan.contact).map_or(f64::INFINITY, |plan| f64::from(plan.parts));
     match plan.scheme {
-        Scheme::Rk2 => 2.0,
-        Scheme::Rk4 => 4.0,
+        Scheme::Rk2 => in_contact.min(2.0),
+        Scheme::Rk4 => in_contact.min(4.0),
         Scheme::Stabilised => {
             plan.stage_rates.as_ref().map_or(1.0, |rates| f64::from(rates.stages_at_rest(plan.substep_secs())))
         }

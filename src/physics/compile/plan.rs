@@ -79,8 +79,7 @@ pub(super) fn plan<R: Real>(settings: &Settings, model: &Model<R>) -> Plan {
     let rates = stabilised_limits.filter(|_| scheme == Scheme::Stabilised).map(|limits| stage_rates(model, limits));
     let division = candidates.iter().find(|candidate| candidate.0 == scheme).map_or(requested, |candidate| candidate.1);
     let (StepDivision { dt_secs, substeps, span }, secs) = (division, division.substep_secs());
-    let stable_secs = limits.dt_safe_secs.filter(|_| settings.integrator.has_stable_step());
-    let of_contact = Substeps { scheme, secs, divided, stable_secs };
+    let of_contact = Substeps { scheme, secs, divided, limit_secs: limits.dt_limit_secs };
     let plan = Plan {
         scheme,
         scheme_costs,
@@ -133,8 +132,8 @@ struct Substeps {
     secs: f64,
     /// Whether steps are divided until they are stable.
     divided: bool,
-    /// The longest ones that are stable with the scheme in the settings, s; none where no step is, or every one.
-    stable_secs: Option<f64>,
+    /// The limit of the scheme in the settings, s; none where there is none.
+    limit_secs: Option<f64>,
 }
 
 /// How substeps are taken in which bodies come near each other or themselves. The implicit scheme may solve for
@@ -211,7 +210,7 @@ fn impulse_contact_plan<R: Real>(
     substeps: Substeps,
     takes_impulses: bool,
 ) -> Option<BodyContactPlan> {
-    let Substeps { scheme, secs, divided, stable_secs } = substeps;
+    let Substeps { scheme, secs, divided, limit_secs } = substeps;
     if takes_impulses {
         let strained_parts = if divided { any_state::parts(model, scheme, secs) } else { 1 };
         return Some(BodyContactPlan { scheme, parts: 1, strained_parts, parts_a_solve: None });
@@ -219,9 +218,10 @@ fn impulse_contact_plan<R: Real>(
     if !divided && !scheme.leaves_contact() {
         return None;
     }
-    // In manual stepping the parts are stable where the scheme is, and blow up where it does.
-    let longest = if divided { Some(secs) } else { stable_secs.map(|stable| secs.min(stable)) };
-    let parts = longest.zip(semi_implicit.dt_safe_secs).map_or(1.0, |(longest, safe)| (longest / safe).max(1.0));
+    // In manual stepping the parts are safe up to the scheme's own limit. Beyond that they grow with the step, so that it
+    // blows up there, too.
+    let longest = limit_secs.filter(|_| !divided).map_or(secs, |limit| secs.min(limit));
+    let parts = semi_implicit.dt_safe_secs.map_or(1.0, |safe| (longest / safe).max(1.0));
     if parts > f64::from(MOST_PARTS_BETWEEN_BODIES) {
         return None;
     }

@@ -34,9 +34,7 @@ pub(super) fn limit_to_substep<R: Real>(body: &mut BodyModel<R>, plan: &Plan) {
     let push = stiffness.min(R::from_f64(MAX_PUSH_LOAD) * mass / (inverse * inverse));
     let inverse = body.inverse_cell_size.to_f64() * secs;
     let load = stiffness.to_f64() * inverse * inverse / mass.to_f64();
-    // RK4 bears twice as much: its limit is 8.
-    let limit = if plan.scheme == Scheme::Rk4 { 2.0 } else { 1.0 };
-    let pull = stiffness * R::from_f64((limit / load - 1.0).clamp(0.0, PULL_SHARE));
+    let pull = stiffness * R::from_f64((1.0 / load - 1.0).clamp(0.0, PULL_SHARE));
     body.recovery = RecoveryModel { stiffness, mass, push, pull, flow_secs: dt };
 }
 

@@ -169,7 +169,7 @@ pub struct Plan {
     /// then the bodies' cells meet obstacles.
     pub on_mesh: Option<BodyContactPlan>,
     /// How substeps are taken in which a body comes near an obstacle, or a hand pulls at one, where the scheme has no place for
-    /// that; none where it has, or there is nothing to meet.
+    /// that; none where it has.
     pub at_obstacles: Option<BodyContactPlan>,
     /// Whether any obstacle is a sphere.
     pub(in crate::physics) spheres: bool,
@@ -208,7 +208,8 @@ impl Plan {
     /// The parts that substeps are divided into in which points of bodies come near each other or an obstacle, where these are
     /// more than one: at rest, and while a body is strained.
     pub fn parts_in_contact(&self) -> Option<[u32; 2]> {
-        let plans = [self.between_bodies, self.on_mesh, self.at_obstacles].into_iter().flatten();
+        let at_obstacles = self.at_obstacles.filter(|_| self.contact);
+        let plans = [self.between_bodies, self.on_mesh, at_obstacles].into_iter().flatten();
         let divided = plans.filter(|plan| plan.parts > 1 && plan.parts < u32::MAX);
         divided.map(|plan| [plan.parts, plan.strained_parts]).max()
     }

@@ -1,5 +1,4 @@
-//! The classical Runge–Kutta method: fourth order in smooth motion, for study and reference; at contact no better than the
-//! others.
+//! The classical Runge–Kutta method: fourth order in smooth motion, for study and reference.
 //!
 //! With `y = (x, v)` and `y' = (v, a)`: slopes at the state, twice at the midpoint and at the end, weighted by 1, 2, 2 and 1
 //! sixths.

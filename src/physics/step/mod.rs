@@ -102,6 +102,7 @@ fn take_part<R: Real>(
         find_forces(inputs.substep(model, plan, part, state), workspace, recorder);
         if !recorder.has_stopped() {
             schemes::synchronise(model, plan, &workspace.force, state);
+            recorder.forbid_stop();
         }
     }
     let substep = inputs.substep(model, plan, part, state);

@@ -57,7 +57,8 @@ pub(super) fn advance<R: Real>(
     if plan.on_mesh.is_some() || plan.at_obstacles.is_some() {
         obstacles.place(model, state, plan.substep_secs());
     }
-    let mut division = Division::of(model, plan, state, (obstacles, grab.is_some()), workspace);
+    let hand_pulls = grab.is_some_and(|grab| !state.bodies[grab.body].asleep);
+    let mut division = Division::of(model, plan, state, (obstacles, hand_pulls), workspace);
     let mut ending = Ending::Taken;
     while let Some(part) = division.next(plan, state, &mut recorder.counters) {
         obstacles.place(model, state, part.secs);
