@@ -69,8 +69,8 @@
 //! | [`report`] | math, machine, geometry, scene, physics | measurements: error against run time, cost of a scene stage by stage, speed of a step, stability limits, contact against theory, random extreme scenes, another engine beside ours |
 //! | [`session`] | all of the above but render | the running sandbox: commands and time in, status and draw list out; no window |
 //! | [`export`] | math, disk, text, geometry, view | writes pictures to files |
+//! | `app` | all but geometry, physics, modal and report | winit and egui: the window, its panels, the thread the session runs on |
 //! | `cli` | all but physics | the command line; opens the window |
-//! | `app` | all but geometry, physics, modal, report and cli | winit and egui: the window, its panels, the thread the session runs on |
 //!
 //! # Data flow
 //!
@@ -156,8 +156,8 @@
 //!    leaves out changes nothing but time (`tests/physics/determinism.rs`, `economy.rs`). Sleep changes the motion: bodies at
 //!    rest and bodies that fell out of the scene stop, as a function of the state alone (`tests/physics/sleep.rs`,
 //!    `fallen.rs`).
-//! 5. In automatic stepping no value of a parameter within its range makes a body explode
-//!    (`tests/physics/stability.rs`).
+//! 5. In automatic stepping no value of a parameter within its range makes a body explode, but the schemes without a stable
+//!    step, explicit Euler and RK2 (`tests/physics/stability.rs`).
 //! 6. Every change to a scene is a [`scene::edit::Edit`]; its inverse takes it back byte for byte, with the motion of the body
 //!    that it moved or removed (`scene::edit`, `session`: ten thousand random commands).
 //! 7. Every struct shared with a shader has its layout (`tests/render`).
@@ -167,7 +167,7 @@
 //! # Features
 //!
 //! `app` (default): the program. `render`: pictures without a window. `peers`: another engine's soft body beside ours
-//! (`report::peers`). Without features: the core, `math` to `session`.
+//! (`report::peers`). Without features: the core, all but `render`, `cli` and `app`.
 //!
 //! # Words
 //!

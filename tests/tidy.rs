@@ -26,6 +26,7 @@ const LAYERS: [(&str, &[&str]); 16] = [
         &["math", "disk", "machine", "text", "geometry", "scene", "physics", "modal", "view", "extract", "report"],
     ),
     ("export", &["math", "disk", "text", "geometry", "view"]),
+    ("app", &["math", "disk", "machine", "text", "scene", "view", "extract", "session", "export", "render"]),
     // The command line opens the window, so it is the top layer of the program.
     (
         "cli",
@@ -34,7 +35,6 @@ const LAYERS: [(&str, &[&str]); 16] = [
             "export", "render", "app",
         ],
     ),
-    ("app", &["math", "disk", "machine", "text", "scene", "view", "extract", "session", "export", "render"]),
 ];
 
 /// Modules that a layer may name only in one of its folders, its room.
