@@ -1,4 +1,4 @@
-//! Contact of particles with obstacles (GC §5–§7).
+//! Contact (GC §5–§7): of particles and points of meshes with obstacles, and of bodies with each other and themselves.
 //!
 //! ```text
 //! broad phase   box of a body's motion against box of an obstacle, then box of a particle's motion

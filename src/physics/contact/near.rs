@@ -1,4 +1,5 @@
-//! Whether a body comes near an obstacle within a substep.
+//! Whether a body comes near an obstacle within a substep: asked for schemes that leave contact to another one, to choose who
+//! takes the substep ([`Plan::at_obstacles`]).
 
 use super::placed::Placed;
 use crate::math::{Aabb, Real, Vector};

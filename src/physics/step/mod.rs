@@ -1,23 +1,25 @@
 //! One substep, in the order of GC Algorithm 1.
 //!
 //! ```text
+//! cells    which cells are near inversion, where it is time to look
+//! time     velocities that are half a part late are brought up to time, for schemes that begin on time
 //! forces   F  = m g + Σ links + Σ cells near inversion
 //! predict  v* = v + dt F/m
 //! pull     v* of a grabbed point's particles   (an implicit spring)
 //! bodies   v* of those that meet each other (implicit penalty and friction, the same on both)
-//! contact  v* → v'   (implicit penalty and friction; the thesis rule adds to F before the prediction)
+//! contact  v* → v'   (points of meshes, then particles: implicit penalty and friction; the thesis's rule adds to F instead)
 //! refine   v' and the mean velocity u, where the scheme has one, with more forces on the way
 //! move     x += dt v'   (or dt u)
 //! rest     bodies that have been at rest for long enough, or have fallen out of the scene, fall asleep and are left out
 //!          of all this
-//!
-//! The implicit scheme solves for pull, contact, also of bodies with each other, and v' at once: find constraints, solve,
-//! finish. Where that would give
-//! energy the part is taken again in halves; an explicit scheme takes the smallest of them if it is refused, too.
 //! ```
 //!
-//! A step that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before
-//! anything is written: the state stays the last good one and the report says so.
+//! The implicit scheme solves for pull, contact, also of bodies with each other, and v' at once: find constraints, solve,
+//! finish. Where that would give energy the part is taken again in halves; an explicit scheme takes the smallest of them if it
+//! is refused, too.
+//!
+//! A part that would make any number infinite or NaN, or in manual stepping tear a body apart, is abandoned before anything
+//! moves: positions stay the last good ones and the report says so.
 
 pub(in crate::physics) mod precision;
 pub(in crate::physics) mod pull;
@@ -67,7 +69,7 @@ pub(super) enum Ending {
     Refused,
     /// The state is untouched: the timer stopped the substep.
     Stopped,
-    /// The state is untouched: a number would not have been finite, or a body torn apart.
+    /// Nothing has moved: a number would not have been finite, or a body torn apart. What bodies remember is of the attempt.
     Diverged,
 }
 

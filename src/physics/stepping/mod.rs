@@ -149,7 +149,7 @@ pub(in crate::physics) fn first_part<R: Real>(
     Part { secs, scheme, is_strained: parts > 1, bodies_are_near, points_are_near, ..whole_substep(plan) }
 }
 
-/// The division of a substep: into equal parts for strain and contact, or into the halves of the implicit scheme.
+/// The division of a substep into equal parts, for strain and contact. Halves of these are in the state.
 #[derive(Clone, Copy, Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a fact about the substep, and any mixture may be")]
 struct Division {

@@ -272,8 +272,7 @@ pub(in crate::physics) fn skip_contact<R: Real>(
 }
 
 /// Damping ratio of the springs of one body's points in another, of which `inside_count` are inside. Two modal bodies have no
-/// particle
-/// that a spring could stop on its own: all points of one in the other are together damped as a single one would be.
+/// particle that a spring could stop on its own: all points of one in the other are together damped as a single one would be.
 fn damping_ratio(pair: [usize; 2], modal: &mut impl ModalBodies, inside_count: usize) -> f64 {
     if !pair.iter().all(|body| modal.moves(*body)) {
         return 1.0;

@@ -20,8 +20,9 @@
 //!
 //! Pushing some points out may lead others in: the search is repeated with the velocities that contact leaves, until it finds
 //! no more points or they hardly differ. Contact changes the velocities that forces predict, after contact between bodies did;
-//! the implicit scheme has the same contacts among its equations. All is computed in double precision and by one thread, so the
-//! number of threads makes no difference. Obstacles do work only by their motion, and the energy of springs is in the state: so
+//! the implicit scheme has the same contacts among its equations. Places in cells and impulses are computed in double
+//! precision, where points meet surfaces in that of the simulation; all by one thread, so the number of threads makes no
+//! difference. Obstacles do work only by their motion, and the energy of springs is in the state: so
 //! no energy comes from nowhere at any stiffness, see [`super::weighted`].
 
 mod clearance;

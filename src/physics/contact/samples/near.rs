@@ -1,4 +1,5 @@
-//! Which obstacles and cells come near each other, so that points that cannot meet anything are skipped.
+//! Which obstacles and cells come near each other: whether a substep is divided for that, and so that points that cannot meet
+//! anything are skipped.
 //!
 //! Boxes are around motions and never too small, so the points that they leave out meet nothing: the outcome is bit for bit
 //! that of testing everything.
