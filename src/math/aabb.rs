@@ -40,6 +40,11 @@ impl<R: Real> Aabb<R> {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// The smallest box that holds it and where it is `secs` later, if its points move with velocities in another box (m/s).
+    pub fn swept(self, velocity: Self, secs: R) -> Self {
+        self.joined(Self { min: self.min + velocity.min * secs, max: self.max + velocity.max * secs })
+    }
+
     /// Its eight corners: bit 0 of the place says whether x is the highest, bit 1 y, bit 2 z.
     pub fn corners(self) -> [R::Vec3; 8] {
         let ends = [self.min.components(), self.max.components()];

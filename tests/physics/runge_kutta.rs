@@ -1,6 +1,8 @@
 //! The schemes of Runge and Kutta where bodies meet obstacles and hands: they leave such substeps to semi-implicit Euler.
 
-use gelatin::physics::{Grab, Simulation};
+use std::cell::Cell;
+
+use gelatin::physics::{Grab, Simulation, Stage, StageTimer};
 use gelatin::scene::body::CubeShape;
 use gelatin::scene::presets::preset;
 use gelatin::scene::settings::{Integrator, Stepping};
@@ -121,4 +123,41 @@ fn a_hand_gives_no_more_than_its_spring_holds() {
     let held = 0.5 * stiffness * way * way;
     eprintln!("{peak} J of {held} J");
     assert!(peak > 0.01 * held && peak < held, "{peak} J, where its spring held {held} J");
+}
+
+/// Stops a substep when it is asked for the n-th time.
+struct StopsAt(Cell<u32>);
+
+impl StageTimer for StopsAt {
+    fn enter(&mut self, _: Stage) {}
+    fn leave(&mut self) {}
+    fn stops(&self) -> bool {
+        let left = self.0.get();
+        self.0.set(left.saturating_sub(1));
+        left == 1
+    }
+}
+
+#[test]
+fn a_substep_that_is_stopped_while_another_scheme_takes_over_is_untouched() {
+    let mut scene = falling(jelly(5e-3));
+    scene.bodies[0].pose.position[1] = 0.55;
+    scene.bodies[0].velocity = [0.3, 3.0, 0.0];
+    scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.6, 0.5]));
+    scene.settings.integrator = Integrator::Rk4;
+    let [mut straight, mut stopped] = [(); 2].map(|()| simulate::<f64>(&scene));
+    let (mut stops, mut takes_over) = (0, 0);
+    for number in 0..1000 {
+        straight.substep(&mut ());
+        let (lag, before) = (stopped.state().velocity_lag_secs, (stopped.hash(), stopped.state().time_secs));
+        stopped.substep(&mut StopsAt(Cell::new(1 + number % 7)));
+        if stopped.state().time_secs <= before.1 {
+            assert_eq!(stopped.hash(), before.0, "substep {number} was given up");
+            stops += 1;
+            stopped.substep(&mut ());
+        }
+        takes_over += u32::from(lag > 0.0 && stopped.state().velocity_lag_secs <= 0.0);
+        assert_eq!(stopped.hash(), straight.hash(), "substep {number}");
+    }
+    assert!(stops > 100 && takes_over > 0, "{stops} stops, RK4 took over {takes_over} times");
 }

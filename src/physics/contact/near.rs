@@ -29,8 +29,7 @@ pub(in crate::physics) fn comes_near_obstacle<R: Real>(
         }
         let own = body.particles.clone();
         let (at, fast) = (bounds::<R>(plan.simd, &state.position[own.clone()]), velocity_bounds[number]);
-        let ahead = Aabb { min: at.min + fast.min * secs, max: at.max + fast.max * secs };
-        let around = at.joined(ahead).grown(R::from_f64(MARGIN * body.lattice.grid.cell_size));
+        let around = at.swept(fast, secs).grown(R::from_f64(MARGIN * body.lattice.grid.cell_size));
         (0..model.obstacles.len()).map(|obstacle| obstacles.for_body(number, obstacle)).any(|obstacle| {
             let touches = |row: usize| state.side[row][own.clone()].iter().any(|side| *side != 0);
             comes_near(obstacle, &around) || obstacle.shape.side_row().is_some_and(touches)

@@ -35,8 +35,7 @@ impl<R: Real> Motion<R> {
             return Self { bounds: at, velocity: Aabb { min: R::Vec3::ZERO, max: R::Vec3::ZERO } };
         }
         let velocity = bounds::<R>(plan.simd, &state.velocity[own]);
-        let ahead = Aabb { min: at.min + velocity.min * secs, max: at.max + velocity.max * secs };
-        Self { bounds: at.joined(ahead), velocity }
+        Self { bounds: at.swept(velocity, secs), velocity }
     }
 
     /// The motion of a modal body, whose particles the state does not place: boxes around all that it may reach with its present
@@ -62,7 +61,6 @@ impl<R: Real> Motion<R> {
             max: R::Vec3::from_dvec3(middle + half),
         };
         let (now, velocity) = (around(at, half), around(velocity, DVec3::splat(speed)));
-        let ahead = Aabb { min: now.min + velocity.min * secs, max: now.max + velocity.max * secs };
-        Self { bounds: now.joined(ahead), velocity }
+        Self { bounds: now.swept(velocity, secs), velocity }
     }
 }

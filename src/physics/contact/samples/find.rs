@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::near;
 use super::workspace::{FoundContact, SamplesWorkspace};
-use crate::math::{Aabb, Real, Vector};
+use crate::math::{Real, Vector};
 use crate::physics::contact::swept_point::SweptPoint;
 use crate::physics::contact::{broad, narrow};
 use crate::physics::kernels::bounds;
@@ -132,8 +132,7 @@ fn find_near_obstacles<R: Real>(
     let Some(samples) = &model.bodies[number].samples else { return };
     let at = bounds::<R>(plan.simd, position);
     let fast = bounds::<R>(plan.simd, velocity);
-    let ahead = Aabb { min: at.min + fast.min * dt, max: at.max + fast.max * dt };
-    let around = near::bounds_of_all(at.joined(ahead), samples);
+    let around = near::bounds_of_all(at.swept(fast, dt), samples);
     let is_near = |obstacle: &usize| around.overlaps(&substep.obstacles.for_body(number, *obstacle).bounds);
     workspace.near_obstacles.extend((0..model.obstacles.len()).filter(is_near));
 }

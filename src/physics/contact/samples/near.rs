@@ -42,9 +42,8 @@ pub(in crate::physics) fn comes_near<R: Real>(
             return true;
         }
         let Some(samples) = &body.samples else { return false };
-        let ahead = Aabb { min: at.min + fast.min * secs, max: at.max + fast.max * secs };
         let margin = R::from_f64(MARGIN * body.lattice.grid.cell_size);
-        let all = bounds_of_all(at.joined(ahead), samples).grown(margin);
+        let all = bounds_of_all(at.swept(fast, secs), samples).grown(margin);
         let mut near = (0..model.obstacles.len()).map(|obstacle| &obstacles.for_body(number, obstacle).bounds);
         near.any(|around| {
             let (position, velocity) = (&state.position[own.clone()], &state.velocity[own.clone()]);
