@@ -22,6 +22,10 @@ const STATIC_FRICTION_ROUNDS: usize = 16;
 /// by the cos² of the angle between two surfaces, so a narrow wedge needs many.
 const MAX_ROUNDS: usize = 256;
 
+/// Rounds between two looks at how fast the error falls. Where it will not have fallen far enough by `MAX_ROUNDS`, the rest is
+/// saved: surfaces all but meet, or friction wedges the particle in and the error rises.
+const ROUNDS_BETWEEN_FORECASTS: usize = 32;
+
 /// After `STATIC_FRICTION_ROUNDS` the contacts have settled where none changes by more than this share of the largest speed at
 /// hand. The predicted one is included: a particle held between obstacles has next to none.
 const SETTLED_SHARE: f64 = 1e-5;
@@ -62,6 +66,7 @@ impl<R: Real> Corner<'_, R> {
         for record in &mut *records {
             record.force = R::Vec3::ZERO;
         }
+        let mut earlier: Option<R> = None;
         for round in 0..MAX_ROUNDS {
             let is_static_phase = round < STATIC_FRICTION_ROUNDS;
             let friction = match () {
@@ -82,6 +87,16 @@ impl<R: Real> Corner<'_, R> {
             let share = if is_static_phase { R::from_f64(4.0) * R::EPSILON } else { R::from_f64(SETTLED_SHARE) };
             if largest <= share * speeds {
                 return Some(velocity);
+            }
+            let rounds_left = MAX_ROUNDS - 1 - round;
+            if rounds_left.is_multiple_of(ROUNDS_BETWEEN_FORECASTS)
+                && let Some(earlier) = earlier.replace(largest)
+            {
+                let more = rounds_left / ROUNDS_BETWEEN_FORECASTS;
+                let at_the_end = (0..more).fold(largest, |error, _| error * (largest / earlier));
+                if at_the_end > share * speeds {
+                    return None;
+                }
             }
         }
         None
