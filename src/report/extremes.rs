@@ -50,7 +50,7 @@ const OBSTACLE_MODELS: [&str; 7] =
 /// How long a random scene is watched. Most scenes take a thousandth of the link forces at which one is cut short. Of 2587
 /// scenes 34 were cut short; with an eighth of the limit, 29 of 895 others were.
 pub fn patience(quick: bool) -> Patience {
-    let (seconds, most_link_forces) = if quick { (0.5, 1_000_000) } else { (2.0, 1_500_000_000) };
+    let (seconds, most_link_forces) = if quick { (0.5, 1_000_000) } else { (2.0, 2_000_000_000) };
     Patience { seconds, most_link_forces }
 }
 
