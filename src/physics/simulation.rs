@@ -14,6 +14,7 @@ use super::modes;
 use super::report::{LastSubstep, Recorder, StageTimer, StepReport};
 use super::state::{BodyMemory, State};
 use super::step::precision::substep;
+use super::step::substep::Part;
 use super::step::{Inputs, StepWorkspace};
 use super::stepping;
 use crate::math::{Real, whole_steps};
@@ -324,7 +325,7 @@ impl<R: Real> Simulation<R> {
         let mut found = StepWorkspace::new(&self.model, &self.plan);
         let obstacles = Placed::now(&self.model, &self.state);
         let inputs = Inputs { obstacles: &obstacles, grab: None, modal_grab: None };
-        let (whole, timer) = (stepping::whole_substep(&self.plan), &mut ());
+        let (whole, timer) = (Part::whole_substep(&self.plan), &mut ());
         let mut recorder = Recorder::new(timer);
         substep(&self.model, &self.plan, whole, inputs, &mut awake, &mut found, &mut recorder);
         self.workspace.contact.contacts = found.contact.contacts;

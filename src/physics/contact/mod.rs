@@ -74,4 +74,4 @@ pub(super) use weighted::{
     BYTES_A_CONTACT, PARTING_SPEED_SHARE, STIFFNESS_OVER_MASS, Touching, WeightedConstraint, WeightedConstraints,
     pressed_at_end,
 };
-pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace, SURFACE_PARTICLES_A_CONTACT};
+pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace, Contacts, SURFACE_PARTICLES_A_CONTACT};

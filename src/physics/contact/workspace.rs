@@ -1,12 +1,12 @@
 //! The contacts of a substep, and the workspace they are found in.
 
-use super::bodies::BodiesWorkspace;
+use super::bodies::{BodiesWorkspace, BodyContact};
 use super::broad::BroadPhase;
 use super::constraint::ParticleConstraint;
 use super::distance_cache::DISTANCE_CACHE_BYTES;
 use super::narrow::mesh::NearestPointCache;
 use super::record::ContactRecord;
-use super::samples::SamplesWorkspace;
+use super::samples::{SampleContact, SamplesWorkspace};
 use super::weighted::WeightedConstraints;
 use crate::math::{Real, Vector};
 use crate::physics::model::Scheme;
@@ -99,6 +99,27 @@ pub(crate) struct ContactWorkspace<R: Real> {
     pub(in crate::physics) samples: SamplesWorkspace<R>,
 }
 
+/// All contacts of a substep.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct Contacts<'a, R: Real> {
+    /// Of particles with obstacles, by particle.
+    pub(in crate::physics) at_obstacles: &'a [ContactRecord<R>],
+    /// Of bodies with each other and with themselves.
+    pub(in crate::physics) between_bodies: &'a [BodyContact],
+    /// Of points of meshes with obstacles.
+    pub(in crate::physics) on_mesh: &'a [SampleContact],
+}
+
+impl<R: Real> Contacts<'_, R> {
+    /// The particles that have any. One with several comes up with each.
+    pub(in crate::physics) fn particles(&self) -> impl Iterator<Item = usize> {
+        let between_bodies = self.between_bodies.iter().flat_map(|met| met.cell.iter().chain(met.own.iter()));
+        let on_mesh = self.on_mesh.iter().flat_map(|met| met.carriers);
+        let at_obstacles = self.at_obstacles.iter().map(|contact| contact.particle);
+        at_obstacles.chain(between_bodies.map(|(particle, _)| particle)).chain(on_mesh)
+    }
+}
+
 impl<R: Real> ContactWorkspace<R> {
     /// Room for a model.
     pub(crate) fn new(model: &Model<R>, plan: &Plan) -> Self {
@@ -114,6 +135,15 @@ impl<R: Real> ContactWorkspace<R> {
             equations: WeightedConstraints::default(),
             bodies: BodiesWorkspace::new(model, plan),
             samples: SamplesWorkspace::new(model, plan),
+        }
+    }
+
+    /// The contacts of the last substep.
+    pub(in crate::physics) fn contacts(&self) -> Contacts<'_, R> {
+        Contacts {
+            at_obstacles: &self.contacts,
+            between_bodies: &self.bodies.contacts,
+            on_mesh: &self.samples.contacts,
         }
     }
 

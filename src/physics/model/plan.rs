@@ -195,6 +195,11 @@ impl Plan {
         self.dt_secs * f64::from(self.span) / f64::from(self.substeps)
     }
 
+    /// Whether there is contact with obstacles, by any rule but that of the thesis.
+    pub(in crate::physics) fn has_implicit_contact(&self) -> bool {
+        self.contact && self.contact_rule == ContactRule::Implicit
+    }
+
     /// How substeps with any of the contacts that have a plan of their own are taken.
     pub(in crate::physics) fn contact_plan(&self) -> Option<BodyContactPlan> {
         self.on_mesh.or(self.between_bodies).or(self.at_obstacles)

@@ -139,7 +139,7 @@ impl<'a, R: Real> NextSubstep<'a, R> {
         let is_velocity_synchronised = schemes::is_velocity_synchronised(plan, state) && stays_on_time;
         let (observed_plan, part) = if is_velocity_synchronised {
             // Only contacts are needed: any scheme finds them, so the cheapest is taken.
-            let whole = stepping::whole_substep(plan);
+            let whole = Part::whole_substep(plan);
             let observed_plan = Plan { scheme: Scheme::SemiImplicit, halvings: 0, ..plan.clone() };
             workspace = StepWorkspace::new(model, &observed_plan);
             (

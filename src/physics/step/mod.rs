@@ -22,7 +22,9 @@
 //! moves: positions stay the last good ones and the report says so.
 
 pub(in crate::physics) mod precision;
+mod predicted;
 pub(in crate::physics) mod pull;
+mod solved;
 pub(in crate::physics) mod substep;
 mod workspace;
 
@@ -31,33 +33,25 @@ pub(super) use workspace::StepWorkspace;
 
 use std::ops::Range;
 
-use super::contact::{self, BodyContact, ContactRecord, ContactWorkspace, SampleContact};
+use self::predicted::Prediction;
+use super::contact;
 use super::forces;
 use super::forces::Kick;
-use super::forces::exact::ExactLinks;
 use super::forces::links::Configuration;
-use super::forces::strain::StraightMotion;
 use super::model::Model;
 use super::report::Recorder;
 use super::state::{BodyMemory, State};
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery;
 use crate::physics::kernels;
+use crate::physics::model::Scheme;
 use crate::physics::model::plan::{Plan, Stage};
-use crate::physics::model::{ContactRule, Scheme};
-use crate::physics::modes;
 use crate::physics::observe::runaway::runs_away;
-use crate::physics::schemes::implicit::arcs;
-use crate::physics::schemes::implicit::balance::{SubstepEnd, body_gains_energy, gains_energy};
-use crate::physics::schemes::{self, SchemeWorkspace};
+use crate::physics::schemes;
 use crate::physics::state::fallen;
 use crate::physics::state::sleep;
 use crate::physics::step::substep::{OnEnergyGain, Part, Substep};
-use crate::physics::stepping::strain;
 use crate::physics::team;
-
-/// How often the velocities are halved in a body that would gain energy however short its substeps are.
-const MAX_VELOCITY_HALVINGS: u32 = 12;
 
 /// How a part of a substep ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,7 +114,7 @@ fn take_part<R: Real>(
         recorder.note_part(part.secs, sleep::asleep_count(state));
         return Ending::Diverged;
     }
-    if has_implicit_contact(plan) {
+    if plan.has_implicit_contact() {
         let moving = workspace.scheme.moving(&workspace.velocity);
         contact::remember_sides(model, obstacles, dt, state, moving, &mut workspace.contact, recorder);
     }
@@ -143,18 +137,6 @@ fn take_part<R: Real>(
     }
     recorder.note_part(part.secs, sleep::asleep_count(state));
     Ending::Taken
-}
-
-/// Whether the velocities that the forces predict are known with the forces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Prediction {
-    /// They are not known yet.
-    Missing,
-    /// All of them are known.
-    Made {
-        /// Whether they lead to finite places.
-        is_finite: bool,
-    },
 }
 
 /// Forces at the state: gravity, links, cells near inversion, and contact by the thesis's rule. Where link forces come last,
@@ -196,32 +178,10 @@ fn find_velocities<R: Real>(
     recorder: &mut Recorder<'_>,
 ) -> bool {
     recorder.enter(Stage::Integrate);
-    if substep.scheme != Scheme::Implicit {
-        return predicted_velocities(substep, prediction, workspace, recorder);
+    match substep.scheme {
+        Scheme::Implicit => solved::find_velocities(substep, on_energy_gain, workspace, recorder),
+        _ => predicted::find_velocities(substep, prediction, workspace, recorder),
     }
-    solved_velocities(substep, workspace, recorder);
-    if on_energy_gain == OnEnergyGain::Take || recorder.has_stopped() {
-        return true;
-    }
-    let StepWorkspace { velocity, force, contact, scheme, forces: of_forces, .. } = workspace;
-    let (contacts, between_bodies, on_mesh) =
-        (&contact.contacts[..], &contact.bodies.contacts[..], &contact.samples.contacts[..]);
-    let end = SubstepEnd { velocity, moving: scheme.moving(velocity), force, contacts, between_bodies, on_mesh };
-    let stops = || recorder.stops();
-    if stays_finite(substep, velocity)
-        && stays_finite(substep, end.moving)
-        && !gains_energy(substep, end, &mut of_forces.exact, &stops)
-    {
-        return true;
-    }
-    if on_energy_gain == OnEnergyGain::Slow {
-        let contacts = (contacts, between_bodies, on_mesh);
-        slow(substep, velocity, force, contacts, &mut of_forces.exact, &stops);
-        if let Some(moving) = &mut scheme.mean_velocity {
-            moving.copy_from_slice(velocity);
-        }
-    }
-    on_energy_gain == OnEnergyGain::Slow
 }
 
 /// Whether the velocities that were found lead to finite places and, in manual stepping, tear no body apart. Contact
@@ -234,14 +194,12 @@ fn is_sound<R: Real>(substep: Substep<'_, R>, prediction: Prediction, workspace:
     }
     if prediction == (Prediction::Made { is_finite: true }) && substep.grab.is_none() {
         // Since then contact alone has changed velocities.
-        let between_bodies = contact.bodies.contacts.iter();
-        let between_bodies = between_bodies.flat_map(|met| met.cell.iter().chain(met.own.iter()));
-        let between_bodies = between_bodies.map(|(particle, _)| particle);
-        let on_mesh = contact.samples.contacts.iter().flat_map(|met| met.carriers);
-        let mut met = contact.contacts.iter().map(|contact| contact.particle).chain(between_bodies).chain(on_mesh);
-        return met.all(|p| (substep.state.position[p] + velocity[p] * substep.dt).is_finite());
+        return contact
+            .contacts()
+            .particles()
+            .all(|p| (substep.state.position[p] + velocity[p] * substep.dt).is_finite());
     }
-    stays_finite(substep, moving) && (scheme.mean_velocity.is_none() || stays_finite(substep, velocity))
+    substep.stays_finite(moving) && (scheme.mean_velocity.is_none() || substep.stays_finite(velocity))
 }
 
 /// Moves everything, and remembers what the next substep of the scheme needs of this one.
@@ -265,203 +223,6 @@ fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<
     if plan.on_mesh.is_some() {
         std::mem::swap(&mut state.touches, &mut workspace.contact.samples.touches);
     }
-}
-
-/// Halves the velocities of each body until it gains no energy from nowhere; a body that does even then stands still.
-fn slow<R: Real>(
-    substep: Substep<'_, R>,
-    velocity: &mut [R::Vec3],
-    force: &[R::Vec3],
-    (contacts, between_bodies, on_mesh): (&[ContactRecord<R>], &[BodyContact], &[SampleContact]),
-    exact: &mut ExactLinks,
-    stops: &dyn Fn() -> bool,
-) {
-    let Substep { model, state, dt, .. } = substep;
-    for (number, body) in model.bodies.iter().enumerate() {
-        let own = body.particles.clone();
-        for halvings_left in (0..MAX_VELOCITY_HALVINGS).rev() {
-            let is_finite =
-                own.clone().all(|p| velocity[p].is_finite() && (state.position[p] + velocity[p] * dt).is_finite());
-            let end = SubstepEnd { velocity, moving: velocity, force, contacts, between_bodies, on_mesh };
-            if is_finite && !body_gains_energy(substep, number, end, exact, stops) {
-                break;
-            }
-            for velocity in &mut velocity[own.clone()] {
-                *velocity = if halvings_left == 0 || !is_finite { R::Vec3::ZERO } else { *velocity * R::from_f64(0.5) };
-            }
-        }
-    }
-}
-
-/// Writes the velocities at the end of a substep from the predicted ones, and the mean velocities of schemes that move
-/// particles by these. Returns false where the stabilised scheme would take a long substep for a body at rest although its
-/// links become many times as long in it.
-fn predicted_velocities<R: Real>(
-    substep: Substep<'_, R>,
-    prediction: Prediction,
-    workspace: &mut StepWorkspace<R>,
-    recorder: &mut Recorder<'_>,
-) -> bool {
-    predict(substep, prediction, workspace);
-    meet_bodies(substep, workspace, recorder);
-    meet_obstacles(substep, workspace, recorder);
-    if substep.scheme == Scheme::Stabilised && !pass_contacts_to_stages(substep, workspace) {
-        return false;
-    }
-    refine(substep, workspace, recorder);
-    if schemes::moves_by_mean(substep.scheme) && has_implicit_contact(substep.plan) {
-        correct_paths(substep, workspace, recorder);
-    }
-    true
-}
-
-/// Writes the velocities that forces and a hand predict.
-fn predict<R: Real>(substep: Substep<'_, R>, prediction: Prediction, workspace: &mut StepWorkspace<R>) {
-    let (mut stepper, _, velocity) = workspace.stepper(substep);
-    if prediction == Prediction::Missing {
-        stepper.predict(velocity);
-    }
-    if let Some(grab) = substep.grab {
-        pull::apply_pull(substep, grab, velocity);
-    }
-}
-
-/// Changes the predicted velocities by contact of bodies with each other and themselves.
-fn meet_bodies<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let StepWorkspace { velocity, contact, modal, .. } = workspace;
-    if !substep.bodies_are_near {
-        contact::bodies::skip_contact(substep, &mut contact.bodies, recorder);
-        return;
-    }
-    recorder.begin_bodies();
-    let Substep { model, plan, state, obstacles, modal_grab: grab, .. } = substep;
-    let inputs = modes::Inputs { model, plan, obstacles, grab, secs: substep.dt.to_f64() };
-    let mut modal = modes::ModalBodiesInContact::begin(inputs, state, modal, recorder);
-    contact::bodies::meet(substep, velocity, &mut modal, &mut contact.bodies, recorder);
-    recorder.end_bodies();
-    recorder.enter(Stage::Integrate);
-}
-
-/// Changes the predicted velocities by contact with obstacles.
-fn meet_obstacles<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let StepWorkspace { velocity, contact, .. } = workspace;
-    if has_implicit_contact(substep.plan) {
-        if substep.plan.on_mesh.is_some() {
-            contact::samples::meet(substep, velocity, &mut contact.samples, recorder);
-        }
-        contact::respond(substep, velocity, contact, recorder);
-        recorder.enter(Stage::Integrate);
-        contact::samples::count_parting_work(substep, velocity, &contact.samples, recorder);
-    }
-    if substep.bodies_are_near {
-        contact::bodies::count_parting_work(substep, velocity, &contact.bodies, recorder);
-    }
-}
-
-/// Hands the contacts found over to the stages of the stabilised scheme. Returns false where a body that is not strained
-/// would be torn apart.
-fn pass_contacts_to_stages<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>) -> bool {
-    let Substep { model, plan, state, dt, is_strained, .. } = substep;
-    let (stepper, contact, velocity) = workspace.stepper(substep);
-    let motion = StraightMotion { position: &state.position, velocity, secs: dt };
-    if plan.parts > 1 && !is_strained && strain::would_tear_bodies(model, plan, &state.bodies, motion, stepper.forces) {
-        return false;
-    }
-    contact.list_held_particles(substep, stepper.force, velocity, &mut stepper.workspace.stages.held);
-    true
-}
-
-/// Finds the velocities at the end and the mean velocities, with more forces on the way where the scheme has stages.
-fn refine<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let (mut stepper, _, velocity) = workspace.stepper(substep);
-    stepper.refine(velocity, recorder);
-    if !schemes::moves_by_mean(substep.scheme) {
-        // The part is taken by another scheme than the plan's.
-        if let Some(mean_velocity) = &mut workspace.scheme.mean_velocity {
-            mean_velocity.copy_from_slice(&workspace.velocity);
-        }
-    }
-}
-
-/// Changes mean velocities that lead into obstacles.
-fn correct_paths<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let Some(mean_velocity) = &mut workspace.scheme.mean_velocity else { return };
-    if substep.scheme == Scheme::Stabilised {
-        let held = &mut workspace.scheme.stages.held;
-        contact::limit_depths(substep, held, mean_velocity, &mut workspace.velocity);
-    }
-    contact::respond_to_paths(substep, &mut workspace.velocity, mean_velocity, &mut workspace.contact, recorder);
-    if substep.scheme == Scheme::Stabilised {
-        let SchemeWorkspace { stages, velocity: left, .. } = &workspace.scheme;
-        workspace.contact.record_forces(substep, &stages.held, [left, &workspace.velocity]);
-    }
-    recorder.enter(Stage::Integrate);
-}
-
-/// Writes the velocities at the end of a substep as the implicit scheme solves for them.
-fn solved_velocities<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
-    let (mut stepper, contact, velocity) = workspace.stepper(substep);
-    let meets_obstacles = has_implicit_contact(substep.plan);
-    let meets_on_mesh = meets_obstacles && substep.plan.on_mesh.is_some();
-    contact.begin_equations();
-    contact.samples.keep_sleeping_contacts(substep.state);
-    contact.samples.forget_found();
-    if meets_obstacles || substep.bodies_are_near {
-        stepper.fall(velocity);
-    }
-    if substep.bodies_are_near {
-        recorder.begin_bodies();
-        contact::bodies::find_constraints(substep, velocity, &mut contact.bodies, &mut contact.equations, recorder);
-        recorder.end_bodies();
-    } else {
-        contact::bodies::skip_contact(substep, &mut contact.bodies, recorder);
-    }
-    if meets_obstacles {
-        contact::find_constraints(substep, velocity, contact, recorder);
-    }
-    // Where solutions lead more points of meshes into obstacles, the equations are solved again with these.
-    for round in 0..=contact::samples::MAX_SEARCH_REPEATS {
-        let ContactWorkspace { samples, equations, .. } = &mut *contact;
-        let has_more =
-            meets_on_mesh && contact::samples::find_constraints(substep, velocity, samples, equations, recorder);
-        if round > 0 && !has_more {
-            break;
-        }
-        recorder.enter(Stage::Integrate);
-        stepper.solve(contact, velocity, recorder);
-        if recorder.has_stopped() {
-            return;
-        }
-    }
-    if meets_obstacles {
-        contact::finish_constraints(substep, velocity, contact, recorder);
-    }
-    let ContactWorkspace { bodies, samples, equations, .. } = &mut *contact;
-    if meets_on_mesh {
-        contact::samples::finish_constraints(substep, velocity, samples, equations, recorder);
-        contact::samples::count_parting_work(substep, velocity, samples, recorder);
-    }
-    if substep.bodies_are_near {
-        contact::bodies::finish_constraints(substep, velocity, bodies, equations, recorder);
-        contact::bodies::count_parting_work(substep, velocity, bodies, recorder);
-    }
-    recorder.enter(Stage::Integrate);
-    if let Some(moving) = &mut workspace.scheme.mean_velocity {
-        arcs::write(substep.model, substep.state, substep.dt.to_f64(), &workspace.velocity, moving);
-    }
-}
-
-/// Whether there is contact, by any rule but that of the thesis.
-fn has_implicit_contact(plan: &Plan) -> bool {
-    plan.contact && plan.contact_rule == ContactRule::Implicit
-}
-
-/// Whether velocities lead all particles that are awake to finite places.
-fn stays_finite<R: Real>(Substep { model, plan, state, dt, .. }: Substep<'_, R>, velocity: &[R::Vec3]) -> bool {
-    sleep::awake(model, &state.bodies).all(|body| {
-        let own = body.particles.clone();
-        kernels::are_finite(plan.simd, &state.position[own.clone()], &velocity[own], dt)
-    })
 }
 
 /// `x += dt u` for the bodies that are awake.

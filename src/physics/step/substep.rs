@@ -3,10 +3,11 @@
 use crate::math::Real;
 use crate::physics::contact::placed::Placed;
 use crate::physics::interaction::Grab;
+use crate::physics::kernels;
 use crate::physics::model::Model;
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
-use crate::physics::state::State;
+use crate::physics::state::{State, sleep};
 
 /// A substep, or a part of one, as it begins.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +35,15 @@ pub(in crate::physics) struct Substep<'a, R: Real> {
 }
 
 impl<R: Real> Substep<'_, R> {
+    /// Whether velocities lead all particles that are awake to finite places.
+    pub(in crate::physics) fn stays_finite(&self, velocity: &[R::Vec3]) -> bool {
+        let Self { model, plan, state, dt, .. } = *self;
+        sleep::awake(model, &state.bodies).all(|body| {
+            let own = body.particles.clone();
+            kernels::are_finite(plan.simd, &state.position[own.clone()], &velocity[own], dt)
+        })
+    }
+
     /// Whether a body meets obstacles with points of its mesh, and not with its particles.
     pub(in crate::physics) fn meets_on_mesh(&self, body: usize) -> bool {
         self.plan.on_mesh.is_some() && self.model.bodies[body].samples.is_some()
@@ -85,6 +95,21 @@ pub(in crate::physics) struct Part {
     pub(in crate::physics) on_energy_gain: OnEnergyGain,
     /// Whether the substep ends with it.
     pub(in crate::physics) is_last: bool,
+}
+
+impl Part {
+    /// A whole substep in one part that is never refused, by a scheme that has a place for all contact in it.
+    pub(in crate::physics) fn whole_substep(plan: &Plan) -> Self {
+        Self {
+            secs: plan.substep_secs(),
+            scheme: plan.contact_plan().map_or(plan.scheme, |contact_plan| contact_plan.scheme),
+            is_strained: false,
+            bodies_are_near: plan.between_bodies.is_some(),
+            points_are_near: plan.on_mesh.is_some(),
+            on_energy_gain: OnEnergyGain::Take,
+            is_last: true,
+        }
+    }
 }
 
 /// What to do with a part in which the implicit scheme would give a body energy from nowhere.

@@ -9,6 +9,7 @@ use crate::physics::model::{ContactRule, Model};
 use crate::physics::modes::ModalWorkspace;
 use crate::physics::schemes::{SchemeWorkspace, Stepper};
 use crate::physics::state::BodyMemory;
+use crate::physics::stepping::speeds::Speeds;
 
 /// The workspace of a substep: allocated once, meaningless between substeps.
 #[derive(Clone, Debug)]
@@ -25,6 +26,8 @@ pub(in crate::physics) struct StepWorkspace<R: Real> {
     pub(super) scheme: SchemeWorkspace<R>,
     /// Workspace of the forces.
     pub(in crate::physics) forces: ForceWorkspace<R>,
+    /// How fast bodies are, as a substep begins.
+    pub(in crate::physics) speeds: Speeds<R>,
     /// Workspace of modal bodies.
     pub(in crate::physics) modal: ModalWorkspace,
     /// A copy of every body's memory before the substep, which may be given up.
@@ -44,6 +47,7 @@ impl<R: Real> StepWorkspace<R> {
             contact: ContactWorkspace::new(model, plan),
             scheme: SchemeWorkspace::new(model, plan),
             forces: ForceWorkspace::new(model, plan),
+            speeds: Speeds::new(model),
             modal: ModalWorkspace::new(model, plan),
             memory_backup: memory_backup_room(model),
             due_bodies: Vec::with_capacity(model.bodies.len()),

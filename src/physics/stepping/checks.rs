@@ -1,7 +1,7 @@
 //! When to make checks that need not be made in every substep: counted in substeps, so that it follows from the state.
 
-use crate::math::{Aabb, FRAME_SECS, Real, Vector};
-use crate::physics::kernels::bounds;
+use super::speeds::max_relative_speed;
+use crate::math::{FRAME_SECS, Real};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
@@ -29,36 +29,6 @@ pub(in crate::physics) fn is_check_due<R: Real>(
 pub(in crate::physics) fn check_interval_secs<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> f64 {
     let secs = model.bodies.iter().map(|body| body_check_interval_secs(body, max_relative_speed(body, plan, state)));
     secs.fold(CHECK_INTERVAL_SECS, f64::min)
-}
-
-/// A bound on the relative speed of any two particles of a body, m/s.
-pub(in crate::physics) fn max_relative_speed<R: Real>(body: &BodyModel<R>, plan: &Plan, state: &State<R>) -> f64 {
-    max_relative_speed_in(&velocity_bounds(body, plan, state))
-}
-
-/// The box around the velocities of a body's particles, m/s.
-pub(super) fn velocity_bounds<R: Real>(body: &BodyModel<R>, plan: &Plan, state: &State<R>) -> Aabb<R> {
-    // Particles of modal bodies are not checked.
-    let own = if body.modal.is_some() { &[][..] } else { &state.velocity[body.particles.clone()] };
-    bounds_of(plan, own)
-}
-
-/// The same of particles with these velocities, m/s.
-pub(super) fn max_relative_speed_of<R: Real>(plan: &Plan, velocity: &[R::Vec3]) -> f64 {
-    max_relative_speed_in(&bounds_of::<R>(plan, velocity))
-}
-
-/// The same of particles whose velocities are in a box. Bounds of the components are cheap.
-pub(super) fn max_relative_speed_in<R: Real>(bounds: &Aabb<R>) -> f64 {
-    (bounds.max - bounds.min).length().to_f64()
-}
-
-/// The box around some velocities; a point where there is none.
-fn bounds_of<R: Real>(plan: &Plan, velocity: &[R::Vec3]) -> Aabb<R> {
-    if velocity.is_empty() {
-        return Aabb { min: R::Vec3::ZERO, max: R::Vec3::ZERO };
-    }
-    bounds::<R>(plan.simd, velocity)
 }
 
 /// How long a body's cells may go without a check where its particles' relative speed is `max_relative_speed` (m/s), s.

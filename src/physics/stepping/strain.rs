@@ -20,7 +20,7 @@ use crate::physics::limits::present::{self, Sums};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State, Strain};
-use crate::physics::stepping::checks;
+use crate::physics::stepping::{checks, speeds};
 use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// The strain of a body becomes large when any link, stretched or compressed, exceeds the larger of these, and stays so
@@ -160,7 +160,7 @@ pub(in crate::physics) fn would_tear_bodies<R: Real>(
     forces.find_strained(model, memories, plan.simd, motion, |number| {
         let (body, memory) = (&model.bodies[number], &memories[number]);
         let is_due = !memory.asleep && memory.strain == Strain::Small && {
-            let max_relative_speed = checks::max_relative_speed_of::<R>(plan, motion.of(body).velocity);
+            let max_relative_speed = speeds::max_relative_speed_of::<R>(plan, motion.of(body).velocity);
             checks::body_check_interval_secs(body, max_relative_speed) < motion.secs.to_f64()
         };
         is_due.then_some(plan.strain_thresholds[1])
@@ -241,7 +241,7 @@ pub(in crate::physics) fn check_strain<R: Real>(
         model.bodies.iter().zip(memories).filter(|(_, memory)| !memory.asleep && memory.strain > Strain::Small);
     let max_displacement = strained.fold(0.0, |most: f64, (body, _)| {
         let own = motion.of(body);
-        let bound = checks::max_relative_speed_of::<R>(plan, own.velocity)
+        let bound = speeds::max_relative_speed_of::<R>(plan, own.velocity)
             * body.inverse_cell_size.to_f64()
             * own.secs.to_f64();
         // No link is shorter at rest than a cell: where particles are slow relative to each other, the bound is enough.

@@ -24,17 +24,21 @@ impl<R: Real> Motion<R> {
         Self { bounds: Aabb::empty(), velocity: at_rest }
     }
 
-    /// The motion of a body in the next `secs`.
-    pub(super) fn of(model: &Model<R>, plan: &Plan, state: &State<R>, body: usize, secs: R) -> Self {
+    /// The motion in the next `secs` of a body whose particles have velocities (m/s) within `velocity`.
+    pub(super) fn of(
+        (model, plan, state): (&Model<R>, &Plan, &State<R>),
+        body: usize,
+        velocity: Aabb<R>,
+        secs: R,
+    ) -> Self {
         if let Some(modal) = &model.bodies[body].modal {
             return Self::of_modal(modal, &state.modal[body], secs);
         }
         let own = model.bodies[body].particles.clone();
-        let at = bounds::<R>(plan.simd, &state.position[own.clone()]);
+        let at = bounds::<R>(plan.simd, &state.position[own]);
         if state.bodies[body].asleep {
             return Self { bounds: at, velocity: Aabb { min: R::Vec3::ZERO, max: R::Vec3::ZERO } };
         }
-        let velocity = bounds::<R>(plan.simd, &state.velocity[own]);
         Self { bounds: at.swept(velocity, secs), velocity }
     }
 

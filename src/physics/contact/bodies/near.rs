@@ -14,6 +14,7 @@ use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
 use crate::physics::state::sleep;
+use crate::physics::stepping::speeds::Speeds;
 use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// In a part of a substep points travel no further, relative to what they may meet, than this share of the smaller cell, or of
@@ -24,7 +25,7 @@ const MAX_TRAVEL_SHARE: f64 = 0.5;
 const MIN_THICKNESS_SHARE: f64 = 0.1;
 
 /// Boxes are grown by this share of the smaller cell, for what forces add to the motion within a substep.
-const MARGIN: f64 = 0.25;
+const AHEAD_SHARE: f64 = 0.25;
 
 /// Most parts that a substep is divided into for that: at 1 ms and cells of 1 cm bodies are caught that meet at 1280 m/s.
 const MAX_PARTS: u32 = 256;
@@ -36,18 +37,19 @@ pub(in crate::physics) fn parts<R: Real>(
     plan: &Plan,
     secs: f64,
     state: &mut State<R>,
+    speeds: &Speeds<R>,
     workspace: &mut BodiesWorkspace<R>,
 ) -> Option<u32> {
     plan.between_bodies?;
     if !state.bodies.iter().any(|memory| sleep::moves(model, plan, memory)) {
         return None;
     }
-    update_self_proximity(model, plan, secs, state, workspace);
+    update_self_proximity(model, plan, secs, state, &speeds.relative, workspace);
     let (mut longest, mut are_near) = (0.0_f64, false);
     for number in near_themselves(model, state) {
         are_near = true;
         let body = &model.bodies[number];
-        let travel = workspace.relative_speeds[number] * secs;
+        let travel = speeds.relative[number] * secs;
         longest = longest.max(travel / (MAX_TRAVEL_SHARE * body.lattice.grid.cell_size));
     }
     let secs = R::from_f64(secs);
@@ -57,7 +59,7 @@ pub(in crate::physics) fn parts<R: Real>(
         motions.resize(model.bodies.len(), Motion::nowhere());
         team::by_bodies(plan.threads, model, motions, |these, motions| {
             for (body, motion) in these.zip(motions) {
-                *motion = Motion::of(model, plan, state, body, secs);
+                *motion = Motion::of((model, plan, state), body, speeds.velocity_bounds[body], secs);
             }
         });
     }
@@ -71,7 +73,7 @@ pub(in crate::physics) fn parts<R: Real>(
             let [one, other] = pair.map(|body| &motions[body]);
             let cell = pair.map(|body| model.bodies[body].lattice.grid.cell_size);
             let cell = cell[0].min(cell[1]);
-            if !one.bounds.grown(R::from_f64(MARGIN * cell)).overlaps(&other.bounds) {
+            if !one.bounds.grown(R::from_f64(AHEAD_SHARE * cell)).overlaps(&other.bounds) {
                 continue;
             }
             are_near = true;
@@ -123,11 +125,12 @@ fn update_self_proximity<R: Real>(
     plan: &Plan,
     secs: f64,
     state: &mut State<R>,
+    relative_speeds: &[f64],
     workspace: &mut BodiesWorkspace<R>,
 ) {
     // Where there is no room for contact yet, a look makes its own.
     workspace.points.resize_with(model.bodies.len(), PointsWorkspace::default);
-    let (relative_speeds, position) = (&workspace.relative_speeds, &state.position);
+    let position = &state.position;
     let of_bodies = (&mut state.bodies[..], &mut workspace.points[..]);
     team::for_body_ranges(
         plan.threads,

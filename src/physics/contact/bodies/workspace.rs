@@ -7,7 +7,7 @@ use super::neighbours::StoredPositions;
 use super::points::PointsWorkspace;
 use super::predicted::PredictedBody;
 use super::record::BodyContact;
-use crate::math::{Aabb, Real};
+use crate::math::Real;
 use crate::physics::contact::weighted::{Movers, PointConstraint};
 use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
@@ -24,10 +24,6 @@ const PARTICLE_CONTACT_PARTICLES: usize = 9;
 /// The workspace of contact between bodies; empty where there is no such contact, and for one body until it comes near itself.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct BodiesWorkspace<R: Real> {
-    /// The box around the velocities of each body's particles, m/s.
-    pub(in crate::physics) velocity_bounds: Vec<Aabb<R>>,
-    /// How fast the particles of each body move past each other, m/s.
-    pub(in crate::physics) relative_speeds: Vec<f64>,
     /// Whether each body was near itself before the present substep, and how far its particles might move until the next look.
     stored_proximity: Vec<(bool, f64)>,
     pub(super) motions: Vec<Motion<R>>,
@@ -57,10 +53,7 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
 impl<R: Real> BodiesWorkspace<R> {
     /// Room for a model.
     pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
-        let bodies = model.bodies.len();
-        let (relative_speeds, stored_proximity) = (Vec::with_capacity(bodies), Vec::with_capacity(bodies));
-        let velocity_bounds = Vec::with_capacity(bodies);
-        let mut room = Self { velocity_bounds, relative_speeds, stored_proximity, ..Self::default() };
+        let mut room = Self { stored_proximity: Vec::with_capacity(model.bodies.len()), ..Self::default() };
         if plan.between_bodies.is_some() && model.bodies.len() > 1 {
             room.make_room(model);
         }
@@ -77,8 +70,6 @@ impl<R: Real> BodiesWorkspace<R> {
         let surfaces = || model.bodies.iter().map(|body| body.lattice.surface);
         let all: usize = surfaces().sum();
         *self = Self {
-            velocity_bounds: std::mem::take(&mut self.velocity_bounds),
-            relative_speeds: std::mem::take(&mut self.relative_speeds),
             stored_proximity: std::mem::take(&mut self.stored_proximity),
             motions: Vec::with_capacity(bodies),
             predicted_positions: vec![DVec3::ZERO; count],

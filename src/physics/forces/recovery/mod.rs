@@ -53,7 +53,7 @@ use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
-use crate::physics::stepping::checks;
+use crate::physics::stepping::{checks, speeds};
 use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// Finds the bodies whose cells are checked before this substep: those with cells on their lists, and others from time to
@@ -66,7 +66,7 @@ pub(in crate::physics) fn find_due_bodies<R: Real>(
 ) -> bool {
     let taken = checks::substeps_taken(plan, state);
     let is_time =
-        |body: &BodyModel<R>| checks::is_check_due(body, plan, taken, checks::max_relative_speed(body, plan, state));
+        |body: &BodyModel<R>| checks::is_check_due(body, plan, taken, speeds::max_relative_speed(body, plan, state));
     let is_due = |(body, memory): (&BodyModel<R>, &BodyMemory)| {
         !memory.asleep && (memory.is_watched() || !plan.lean || is_time(body))
     };

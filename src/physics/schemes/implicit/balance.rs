@@ -20,7 +20,7 @@ use std::ops::Add;
 use glam::DVec3;
 
 use crate::math::{Real, Vector};
-use crate::physics::contact::{BodyContact, ContactRecord, SampleContact, WeightedParticles};
+use crate::physics::contact::{BodyContact, ContactRecord, Contacts, SampleContact, WeightedParticles};
 use crate::physics::forces::exact::ExactLinks;
 use crate::physics::forces::recovery;
 use crate::physics::interaction::{Grab, resistance};
@@ -62,12 +62,8 @@ pub(in crate::physics) struct SubstepEnd<'a, R: Real> {
     pub(in crate::physics) moving: &'a [R::Vec3],
     /// The forces of the state without contact and hand, N.
     pub(in crate::physics) force: &'a [R::Vec3],
-    /// What contact with obstacles did, ...
-    pub(in crate::physics) contacts: &'a [ContactRecord<R>],
-    /// ... contact between bodies, ...
-    pub(in crate::physics) between_bodies: &'a [BodyContact],
-    /// ... and contact of meshes with obstacles.
-    pub(in crate::physics) on_mesh: &'a [SampleContact],
+    /// What contact did.
+    pub(in crate::physics) contacts: Contacts<'a, R>,
 }
 
 /// Whether a substep with this end gives one body energy from nowhere.
@@ -79,16 +75,16 @@ pub(in crate::physics) fn body_gains_energy<R: Real>(
     stops: &dyn Fn() -> bool,
 ) -> bool {
     let Substep { model, state, dt, grab, .. } = substep;
-    let SubstepEnd { velocity, moving, force, contacts, between_bodies, on_mesh } = end;
+    let SubstepEnd { velocity, moving, force, contacts } = end;
     let body = &model.bodies[number];
     let [first, after] = [body.particles.start, body.particles.end]
-        .map(|particle| contacts.partition_point(|contact| contact.particle < particle));
-    let own = &contacts[first..after];
+        .map(|particle| contacts.at_obstacles.partition_point(|contact| contact.particle < particle));
+    let own = &contacts.at_obstacles[first..after];
     let (kinetic, gained, work) = particle_energy(body, dt.to_f64(), state, force, [velocity, moving]);
     let kinetic_at_start = (kinetic - gained - work).max(0.0);
     let (stored, carried, at_obstacles) = contact_energy(body, own, dt, moving);
-    let between_bodies = between_bodies_work::<R>(number, between_bodies, dt.to_f64(), moving);
-    let of_points = between_bodies + mesh_work::<R>(number, on_mesh, dt.to_f64(), moving);
+    let between_bodies = between_bodies_work::<R>(number, contacts.between_bodies, dt.to_f64(), moving);
+    let of_points = between_bodies + mesh_work::<R>(number, contacts.on_mesh, dt.to_f64(), moving);
     let total_contact_work = at_obstacles + of_points.total;
     let pulled = grab
         .filter(|grab| grab.body == number)

@@ -1,0 +1,165 @@
+//! The velocities at the end of a substep by the implicit scheme: forces, hand and all contact are solved for at once. Where
+//! they would give energy from nowhere they are refused, or slowed.
+
+use super::substep::{OnEnergyGain, Substep};
+use super::workspace::StepWorkspace;
+use crate::math::{Real, Vector};
+use crate::physics::contact::{self, ContactWorkspace, Contacts};
+use crate::physics::forces::exact::ExactLinks;
+use crate::physics::model::plan::Stage;
+use crate::physics::report::Recorder;
+use crate::physics::schemes::Stepper;
+use crate::physics::schemes::implicit::arcs;
+use crate::physics::schemes::implicit::balance::{SubstepEnd, body_gains_energy, gains_energy};
+
+/// How often the velocities are halved in a body that would gain energy however short its substeps are.
+const MAX_VELOCITY_HALVINGS: u32 = 12;
+
+/// Writes the velocities. Returns whether they may be used: not where the equations would give energy from nowhere, if
+/// `on_energy_gain` says so.
+pub(super) fn find_velocities<R: Real>(
+    substep: Substep<'_, R>,
+    on_energy_gain: OnEnergyGain,
+    workspace: &mut StepWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) -> bool {
+    solve(substep, workspace, recorder);
+    if on_energy_gain == OnEnergyGain::Take || recorder.has_stopped() {
+        return true;
+    }
+    let StepWorkspace { velocity, force, contact, scheme, forces: of_forces, .. } = workspace;
+    let contacts = contact.contacts();
+    let end = SubstepEnd { velocity, moving: scheme.moving(velocity), force, contacts };
+    let stops = || recorder.stops();
+    if substep.stays_finite(velocity)
+        && substep.stays_finite(end.moving)
+        && !gains_energy(substep, end, &mut of_forces.exact, &stops)
+    {
+        return true;
+    }
+    if on_energy_gain == OnEnergyGain::Slow {
+        slow(substep, velocity, force, contacts, &mut of_forces.exact, &stops);
+        if let Some(moving) = &mut scheme.mean_velocity {
+            moving.copy_from_slice(velocity);
+        }
+    }
+    on_energy_gain == OnEnergyGain::Slow
+}
+
+/// Solves for the velocities.
+fn solve<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+    let (mut stepper, contact, velocity) = workspace.stepper(substep);
+    find_constraints(substep, &mut stepper, velocity, contact, recorder);
+    if !solve_equations(substep, &mut stepper, velocity, contact, recorder) {
+        return;
+    }
+    finish_constraints(substep, velocity, contact, recorder);
+    recorder.enter(Stage::Integrate);
+    if let Some(moving) = &mut workspace.scheme.mean_velocity {
+        arcs::write(substep.model, substep.state, substep.dt.to_f64(), &workspace.velocity, moving);
+    }
+}
+
+/// Whether points of meshes meet obstacles.
+fn meets_on_mesh<R: Real>(substep: Substep<'_, R>) -> bool {
+    substep.plan.has_implicit_contact() && substep.plan.on_mesh.is_some()
+}
+
+/// Lists the contacts that bodies and particles come to if they fall as they are.
+fn find_constraints<R: Real>(
+    substep: Substep<'_, R>,
+    stepper: &mut Stepper<'_, R>,
+    velocity: &mut [R::Vec3],
+    contact: &mut ContactWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    let meets_obstacles = substep.plan.has_implicit_contact();
+    contact.begin_equations();
+    contact.samples.keep_sleeping_contacts(substep.state);
+    contact.samples.forget_found();
+    if meets_obstacles || substep.bodies_are_near {
+        stepper.fall(velocity);
+    }
+    if substep.bodies_are_near {
+        recorder.begin_bodies();
+        contact::bodies::find_constraints(substep, velocity, &mut contact.bodies, &mut contact.equations, recorder);
+        recorder.end_bodies();
+    } else {
+        contact::bodies::skip_contact(substep, &mut contact.bodies, recorder);
+    }
+    if meets_obstacles {
+        contact::find_constraints(substep, velocity, contact, recorder);
+    }
+}
+
+/// Solves the equations, and again where solutions lead more points of meshes into obstacles. Returns false where the timer
+/// stopped it.
+fn solve_equations<R: Real>(
+    substep: Substep<'_, R>,
+    stepper: &mut Stepper<'_, R>,
+    velocity: &mut [R::Vec3],
+    contact: &mut ContactWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) -> bool {
+    for round in 0..=contact::samples::MAX_SEARCH_REPEATS {
+        let ContactWorkspace { samples, equations, .. } = &mut *contact;
+        let has_more = meets_on_mesh(substep)
+            && contact::samples::find_constraints(substep, velocity, samples, equations, recorder);
+        if round > 0 && !has_more {
+            break;
+        }
+        recorder.enter(Stage::Integrate);
+        stepper.solve(contact, velocity, recorder);
+        if recorder.has_stopped() {
+            return false;
+        }
+    }
+    true
+}
+
+/// Records what contact did in the solution.
+fn finish_constraints<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &mut [R::Vec3],
+    contact: &mut ContactWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    if substep.plan.has_implicit_contact() {
+        contact::finish_constraints(substep, velocity, contact, recorder);
+    }
+    let ContactWorkspace { bodies, samples, equations, .. } = contact;
+    if meets_on_mesh(substep) {
+        contact::samples::finish_constraints(substep, velocity, samples, equations, recorder);
+        contact::samples::count_parting_work(substep, velocity, samples, recorder);
+    }
+    if substep.bodies_are_near {
+        contact::bodies::finish_constraints(substep, velocity, bodies, equations, recorder);
+        contact::bodies::count_parting_work(substep, velocity, bodies, recorder);
+    }
+}
+
+/// Halves the velocities of each body until it gains no energy from nowhere; a body that does even then stands still.
+fn slow<R: Real>(
+    substep: Substep<'_, R>,
+    velocity: &mut [R::Vec3],
+    force: &[R::Vec3],
+    contacts: Contacts<'_, R>,
+    exact: &mut ExactLinks,
+    stops: &dyn Fn() -> bool,
+) {
+    let Substep { model, state, dt, .. } = substep;
+    for (number, body) in model.bodies.iter().enumerate() {
+        let own = body.particles.clone();
+        for halvings_left in (0..MAX_VELOCITY_HALVINGS).rev() {
+            let is_finite =
+                own.clone().all(|p| velocity[p].is_finite() && (state.position[p] + velocity[p] * dt).is_finite());
+            let end = SubstepEnd { velocity, moving: velocity, force, contacts };
+            if is_finite && !body_gains_energy(substep, number, end, exact, stops) {
+                break;
+            }
+            for velocity in &mut velocity[own.clone()] {
+                *velocity = if halvings_left == 0 || !is_finite { R::Vec3::ZERO } else { *velocity * R::from_f64(0.5) };
+            }
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What contact asks of the coming substep: by which scheme it is taken, and in how many parts.
+
+use super::speeds::Speeds;
+use crate::math::Real;
+use crate::physics::contact::bodies::{self, BodiesWorkspace};
+use crate::physics::contact::{Placed, near, samples};
+use crate::physics::model::Model;
+use crate::physics::model::plan::{BodyContactPlan, Plan};
+use crate::physics::state::State;
+
+/// What contact asks of a substep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactNeed {
+    /// How the substep is taken where contact divides it; none where nothing comes near, or the implicit scheme solves for it.
+    pub(super) plan: Option<BodyContactPlan>,
+    /// Into how many parts it is divided at least.
+    pub(super) parts: u32,
+    /// How often the implicit scheme halves it, where it solves for contact, so that no body travels past another.
+    pub(super) halvings: u32,
+    /// Whether bodies come near each other or themselves.
+    pub(super) bodies_are_near: bool,
+    /// Whether points of a mesh come near an obstacle, or an obstacle's edges near a body.
+    pub(super) points_are_near: bool,
+}
+
+impl ContactNeed {
+    /// That of the coming substep, in which obstacles are there and a hand pulls or not. Wakes bodies that others come to.
+    pub(super) fn of<R: Real>(
+        model: &Model<R>,
+        plan: &Plan,
+        state: &mut State<R>,
+        (obstacles, hand_pulls): (&Placed<R>, bool),
+        speeds: &Speeds<R>,
+        of_bodies: &mut BodiesWorkspace<R>,
+    ) -> Self {
+        let secs = plan.substep_secs();
+        let by_travel = bodies::parts(model, plan, secs, state, speeds, of_bodies);
+        let scene = (model, plan, obstacles);
+        let bodies_are_near = by_travel.is_some();
+        let points_are_near =
+            plan.on_mesh.is_some() && samples::comes_near(scene, state, &speeds.velocity_bounds, secs);
+        let needs_parts_at_obstacles =
+            || hand_pulls || near::comes_near_obstacle(scene, state, &speeds.velocity_bounds, secs);
+        // The scheme for contact of meshes with obstacles has a place for contact between bodies, too.
+        let by_parts = plan
+            .on_mesh
+            .filter(|_| points_are_near)
+            .or(plan.between_bodies.filter(|_| bodies_are_near))
+            .or_else(|| plan.at_obstacles.filter(|_| needs_parts_at_obstacles()));
+        let undivided = Self { plan: None, parts: 1, halvings: 0, bodies_are_near, points_are_near };
+        let Some(contact_plan) = by_parts else { return undivided };
+        let parts_by_travel = by_travel.unwrap_or(1);
+        let parts = contact_plan.parts.max(parts_by_travel);
+        let halvings = parts_by_travel.next_power_of_two().trailing_zeros();
+        let is_solved_for =
+            contact_plan.parts_a_solve.is_some_and(|a_solve| a_solve * f64::from(1 << halvings) < f64::from(parts));
+        if is_solved_for { Self { halvings, ..undivided } } else { Self { plan: by_parts, parts, ..undivided } }
+    }
+}
