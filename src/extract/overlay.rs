@@ -169,7 +169,7 @@ fn add_contacts(overlay: &mut Overlay, simulation: &Simulation<f32>) {
         .map(|contact| (Some(contact.bodies[0]), contact.own.place(state).as_vec3(), contact.force.as_vec3()));
     let on_meshes = simulation.sample_contacts().iter();
     let on_meshes =
-        on_meshes.map(|contact| (Some(contact.body), contact.place(state).as_vec3(), contact.force.as_vec3()));
+        on_meshes.map(|contact| (Some(contact.body), contact.own.place(state).as_vec3(), contact.force.as_vec3()));
     for (body, place, force) in with_obstacles.chain(with_bodies).chain(on_meshes) {
         let Some(body) = body.map(|body| &model.bodies[body]) else { continue };
         if force == Vec3::ZERO || !force.is_finite() {

@@ -57,8 +57,7 @@ fn contact_gives_a_body_the_force_and_the_moment_that_it_has() {
         }
         let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
         for contact in simulation.sample_contacts() {
-            let carried = contact.carriers.iter().zip(contact.weights);
-            let place: DVec3 = carried.map(|(particle, weight)| at[*particle] * weight).sum();
+            let place: DVec3 = contact.own.iter().map(|(particle, weight)| at[particle] * weight).sum();
             force += contact.force;
             moment += (place - about).cross(contact.force);
             pushed += usize::from(contact.force != DVec3::ZERO);
@@ -211,7 +210,7 @@ fn spot_stands_on_its_hooves() {
     let now = simulation.diagnostics();
     eprintln!("on its mesh {lowest} m");
     let touching = simulation.sample_contacts().iter().filter(|contact| contact.force != DVec3::ZERO);
-    let places: Vec<DVec3> = touching.map(|contact| contact.place(simulation.state())).collect();
+    let places: Vec<DVec3> = touching.map(|contact| contact.own.place(simulation.state())).collect();
     let middle = now.center;
     let quarters = |at: &DVec3| (at.x > middle.x, at.z > middle.z);
     let mut hooves: Vec<(bool, bool)> = places.iter().map(quarters).collect();

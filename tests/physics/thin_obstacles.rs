@@ -170,10 +170,10 @@ fn force_and_moment_are_those_of_the_edge() {
     for _ in 0..300 {
         simulation.step();
         for contact in simulation.sample_contacts() {
-            let place = contact.place(simulation.state());
+            let place = contact.own.place(simulation.state());
             let off = place.x - 0.13;
             assert!(off.abs() < 0.0101 && place.y < 1.03, "pushed at {place}, not at the edge");
-            assert!((contact.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            assert!((contact.own.iter().map(|(_, weight)| weight).sum::<f64>() - 1.0).abs() < 1e-12);
             pushed += usize::from(contact.force.y > 0.0);
         }
     }

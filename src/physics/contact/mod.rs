@@ -57,7 +57,7 @@ pub(super) mod weighted;
 mod workspace;
 
 pub(super) use bodies::BYTES_A_POINT;
-pub use bodies::{BodyContact, WeightedParticles};
+pub use bodies::BodyContact;
 pub(super) use candidate::{respond, respond_to_paths};
 pub(super) use constraint::{ContactConstraint, ParticleConstraint};
 pub(super) use held::limit_depths;
@@ -69,9 +69,9 @@ pub(super) use sides::{contact_side, remember_sides};
 pub(super) use solved::{find_constraints, finish_constraints};
 pub(super) use surface::Surface;
 pub(super) use swept_point::SweptPoint;
-pub use weighted::DEPTH_SHARE;
 pub(super) use weighted::{
     BYTES_A_CONTACT, PARTING_SPEED_SHARE, STIFFNESS_OVER_MASS, Touching, WeightedConstraint, WeightedConstraints,
-    pressed_at_end,
+    coulomb_impulse, pressed_at_end,
 };
+pub use weighted::{DEPTH_SHARE, WeightedParticles};
 pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace, Contacts, SURFACE_PARTICLES_A_CONTACT};

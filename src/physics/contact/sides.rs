@@ -4,7 +4,7 @@ use super::narrow;
 use super::placed::Placed;
 use super::workspace::ContactWorkspace;
 use crate::math::{Real, Vector};
-use crate::physics::model::{MeshModel, Model, ObstacleShape};
+use crate::physics::model::{Model, ObstacleShape};
 use crate::physics::report::Recorder;
 use crate::physics::state::State;
 
@@ -57,21 +57,12 @@ pub(in crate::physics) fn remember_sides<R: Real>(
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
         let shape = &obstacles.for_body(number, contact.obstacle).shape;
         let at = state.position[contact.particle];
-        let (row, margin, upper) = match shape {
-            ObstacleShape::Plane(plane) => {
-                let upper = contact.normal.dot(plane.normal) > R::ZERO;
-                (plane.side_row, narrow::plane::rounding_margin(plane, at), upper)
-            }
-            ObstacleShape::Mesh(mesh @ MeshModel { side_row: Some(row), .. }) => {
-                (*row, narrow::mesh::rounding_margin(mesh, at), narrow::mesh::is_upper(mesh, at, contact.normal))
-            }
-            _ => {
-                deepest = deepest.max(depth);
-                continue;
-            }
+        let Some(row) = shape.side_row() else {
+            deepest = deepest.max(depth);
+            continue;
         };
-        if depth >= -margin {
-            state.side[row][contact.particle] = if upper { 1 } else { -1 };
+        if depth >= -narrow::rounding_margin(shape, at) {
+            state.side[row][contact.particle] = contact_side(shape, at, contact.normal);
             workspace.marked_near[number * model.obstacles.len() + contact.obstacle] = true;
             deepest = deepest.max(depth);
         }

@@ -114,9 +114,9 @@ impl<R: Real> Contacts<'_, R> {
     /// The particles that have any. One with several comes up with each.
     pub(in crate::physics) fn particles(&self) -> impl Iterator<Item = usize> {
         let between_bodies = self.between_bodies.iter().flat_map(|met| met.cell.iter().chain(met.own.iter()));
-        let on_mesh = self.on_mesh.iter().flat_map(|met| met.carriers);
+        let of_points = between_bodies.chain(self.on_mesh.iter().flat_map(|met| met.own.iter()));
         let at_obstacles = self.at_obstacles.iter().map(|contact| contact.particle);
-        at_obstacles.chain(between_bodies.map(|(particle, _)| particle)).chain(on_mesh)
+        at_obstacles.chain(of_points.map(|(particle, _)| particle))
     }
 }
 

@@ -7,7 +7,7 @@ use super::motion::{Motion, PointMotion, ROUNDING_MARGIN, superpose};
 use super::oscillator::Oscillator;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::{
-    NearestPointCache, PARTING_SPEED_SHARE, Placed, SweptPoint, contact_side, pressed_at_end,
+    NearestPointCache, PARTING_SPEED_SHARE, Placed, SweptPoint, contact_side, coulomb_impulse, pressed_at_end,
 };
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
@@ -92,11 +92,8 @@ impl ModalContact {
         let mut impulse = self.normal * (normal_impulse - self.normal_impulse);
         self.normal_impulse = normal_impulse;
         if self.friction[0] > 0.0 && across > MIN_MOBILITY {
-            let wanted = self.friction_impulse - (relative_velocity - self.normal * normal_velocity) / across;
-            let strength = wanted.length();
-            let held = strength <= self.friction[0] * normal_impulse;
-            let most = if held { strength } else { (self.friction[1] * normal_impulse).min(strength) };
-            let friction_impulse = if strength > 0.0 { wanted * (most / strength) } else { DVec3::ZERO };
+            let stopping = self.friction_impulse - (relative_velocity - self.normal * normal_velocity) / across;
+            let friction_impulse = coulomb_impulse(stopping, self.friction, normal_impulse);
             impulse += friction_impulse - self.friction_impulse;
             self.friction_impulse = friction_impulse;
         }

@@ -64,7 +64,7 @@ impl<R: Real> Simulation<R> {
             force[contact.particle] += contact.force;
         }
         for contact in self.sample_contacts() {
-            for (carrier, weight) in contact.carriers.into_iter().zip(contact.weights) {
+            for (carrier, weight) in contact.own.iter() {
                 force[carrier] += R::Vec3::from_dvec3(contact.force * weight);
             }
         }

@@ -279,7 +279,7 @@ fn release_speed<R: Real>(simulation: &Simulation<R>, number: usize) -> f64 {
     let on_mesh = simulation.sample_contacts().iter().filter(|contact| contact.body == number);
     let of_points = on_mesh.map(|contact| {
         let stored = body.contacts[contact.obstacle].to_f64().energy(-contact.gap);
-        let carried = contact.carriers.iter().zip(contact.weights);
+        let carried = contact.own.iter();
         let mobility = carried.map(|(at, w)| w * w / body.mass(at - body.particles.start).to_f64()).sum::<f64>();
         (2.0 * stored * mobility).sqrt()
     });

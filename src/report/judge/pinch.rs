@@ -8,7 +8,7 @@
 use glam::{DMat3, DVec3};
 
 use crate::math::{Real, Vector};
-use crate::physics::{ContactRecord, SampleContact, Simulation};
+use crate::physics::{ContactRecord, SampleContact, Simulation, WeightedParticles};
 
 /// Surfaces whose normals span less than this of a plane, or of space, are nearly parallel: the particle cannot leave.
 const MIN_SPAN: f64 = 1e-3;
@@ -29,16 +29,16 @@ pub(super) fn pinched_speed<R: Real>(simulation: &Simulation<R>, body: usize) ->
         let pushing = those.iter().filter(|contact| contact.force.dot(contact.normal) > 0.0);
         let surfaces: Vec<Surface> = pushing.map(Surface::of_point).collect();
         let alone = surfaces.iter().fold(0.0, |most: f64, surface| most.max(surface.speed));
-        alone.max(leaving_speed(&surfaces)) * throw_ratio(&those[0].weights)
+        alone.max(leaving_speed(&surfaces)) * throw_ratio(&those[0].own)
     });
     of_particles.chain(of_points).fold(0.0, f64::max)
 }
 
 /// How many times as fast as a point of a cell its fastest corner moves, if the corners are alike and nothing but what pushes
 /// the point moves them.
-fn throw_ratio(weights: &[f64; 8]) -> f64 {
-    let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
-    weights.iter().fold(0.0, |most: f64, weight| most.max(weight.abs())) / squares
+fn throw_ratio(corners: &WeightedParticles) -> f64 {
+    let squares: f64 = corners.iter().map(|(_, weight)| weight * weight).sum();
+    corners.iter().fold(0.0, |most: f64, (_, weight)| most.max(weight.abs())) / squares
 }
 
 /// A surface that pushes a particle.

@@ -56,7 +56,7 @@ pub(in crate::physics) use law::pair_law;
 pub(in crate::physics) use near::parts;
 pub(in crate::physics::contact) use outcode::{are_beyond, write_outcodes};
 pub(in crate::physics) use points::BYTES_A_POINT;
-pub use record::{BodyContact, WeightedParticles};
+pub use record::BodyContact;
 pub(in crate::physics) use workspace::BodiesWorkspace;
 
 use glam::DVec3;

@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::points::Penetration;
-use super::record::{BodyContact, WeightedParticles};
+use super::record::BodyContact;
 use super::surface_points::SurfacePoints;
 use super::workspace::{BodiesWorkspace, MAX_CONTACT_PARTICLES};
 use crate::math::Real;
+use crate::physics::contact::weighted::WeightedParticles;
 use crate::physics::contact::weighted::{ContactPlane, ModalBodies, PointConstraint, PointLaw, Shares, SpringBefore};
 use crate::physics::step::substep::Substep;
 

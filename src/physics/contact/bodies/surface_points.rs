@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::cell::Cell;
-use super::record::WeightedParticles;
 use crate::math::Real;
+use crate::physics::contact::weighted::WeightedParticles;
 use crate::physics::model::{BodyModel, Hull, Model, Samples};
 use crate::physics::state::press::BodyPoint;
 

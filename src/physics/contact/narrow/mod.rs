@@ -24,6 +24,16 @@ pub(super) fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, p
     }
 }
 
+/// How far a point may seem to be off an obstacle that has sides and no inside by rounding error alone, m: of coordinates as large
+/// as those of `at`.
+pub(super) fn rounding_margin<R: Real>(shape: &ObstacleShape<R>, at: R::Vec3) -> R {
+    match shape {
+        ObstacleShape::Plane(plane) => plane::rounding_margin(plane, at),
+        ObstacleShape::Mesh(mesh) => mesh::rounding_margin(mesh, at),
+        _ => R::ZERO,
+    }
+}
+
 /// Whether a point is inside a closed obstacle, deeper than `depth` (m).
 pub(super) fn is_deeper<R: Real>(shape: &ObstacleShape<R>, at: R::Vec3, depth: R) -> bool {
     match shape {

@@ -20,6 +20,7 @@ use crate::physics::contact::bodies::{
     CandidateCell, CandidatePoint, Cell, INSIDE_TOLERANCE, InverseMap, WayOut, are_beyond, way_out, write_outcodes,
 };
 use crate::physics::contact::narrow;
+use crate::physics::contact::weighted::WeightedParticles;
 use crate::physics::kernels::bounds;
 use crate::physics::model::{BodyModel, FIRST_EDGE_POINT, Frame, ObstacleModel};
 use crate::physics::report::Counters;
@@ -173,8 +174,10 @@ fn add_contacts<R: Real>(
             body: number,
             sample: point.sample,
             obstacle,
-            carriers: corners.map(|corner| start + corner as usize),
-            weights: Cell::weights(place.unwrap_or(candidate.cell_coordinates)),
+            own: WeightedParticles::of_cell(
+                corners.map(|corner| start + corner as usize),
+                Cell::weights(place.unwrap_or(candidate.cell_coordinates)),
+            ),
             normal: -normal,
             gap: entered - depth,
             surface_velocity,

@@ -42,13 +42,13 @@ use glam::DVec3;
 use self::workspace::{FoundContact, PartedPoint};
 use super::narrow;
 use super::response;
+use super::sides::contact_side;
 use super::weighted::{
-    self, ContactPlane, ModalShares, PARTING_SPEED_SHARE, PointConstraint, PointLaw, SpringBefore, Touching,
-    WeightedConstraints,
+    self, ContactPlane, PARTING_SPEED_SHARE, PointConstraint, PointLaw, SpringBefore, Touching, WeightedConstraints,
 };
 use crate::math::{Real, Vector};
 use crate::physics::model::plan::Stage;
-use crate::physics::model::{BodyModel, FIRST_EDGE_POINT, ObstacleShape};
+use crate::physics::model::{BodyModel, FIRST_EDGE_POINT};
 use crate::physics::report::{Counters, Recorder};
 use crate::physics::state::touch::SampleTouch;
 use crate::physics::step::substep::Substep;
@@ -181,9 +181,8 @@ fn constrain<R: Real>(
     let mut kept = first;
     for place in first..workspace.found_contacts.len() {
         let found = workspace.found_contacts[place];
-        let FoundContact { sample, obstacle, carriers, weights, normal, gap, surface_velocity, .. } = found;
-        let places = carriers.map(|carrier| workspace.movers.place(substep, number, carrier, velocity));
-        let shares = workspace.movers.weigh(places.into_iter().zip(weights), ModalShares::default());
+        let FoundContact { sample, obstacle, own, normal, gap, surface_velocity, .. } = found;
+        let shares = workspace.movers.weigh_particles(substep, number, &own, velocity);
         let known = memory.binary_search_by_key(&(number, sample, obstacle), SampleTouch::place);
         let depth = -gap;
         let pressed = depth.min(known.map_or(0.0, |place| memory[place].depth_m));
@@ -245,8 +244,7 @@ pub(in crate::physics) fn count_parting_work<R: Real>(
 ) {
     let both = |particle: usize| substep.state.velocity[particle].to_dvec3() + velocity[particle].to_dvec3();
     let work = |point: &PartedPoint| {
-        let carried = point.carriers.iter().zip(point.weights);
-        let mean = carried.map(|(carrier, weight)| both(*carrier) * (0.5 * weight)).sum::<DVec3>();
+        let mean = point.own.iter().map(|(carrier, weight)| both(carrier) * (0.5 * weight)).sum::<DVec3>();
         point.push.work(mean - point.surface_velocity)
     };
     recorder.counters.parting_work_j += workspace.parted.iter().map(work).sum::<f64>();
@@ -260,18 +258,17 @@ fn record<R: Real>(substep: Substep<'_, R>, workspace: &mut SamplesWorkspace<R>,
     let has_friction = |obstacle: usize| response::has_friction(&model.obstacles[obstacle]);
     let counters = &mut recorder.counters;
     for (found, constraint) in found_contacts.iter().zip(constraints) {
-        let &FoundContact { body: number, sample, obstacle, carriers, weights, normal, gap, surface_velocity } = found;
+        let &FoundContact { body: number, sample, obstacle, own, normal, gap, surface_velocity } = found;
         let force = constraint.impulse() / dt;
         counters.frictions += u64::from(force != DVec3::ZERO && has_friction(obstacle));
         counters.add_obstacle_work(force.dot(surface_velocity) * dt, surface_velocity.length());
-        let part = |push| PartedPoint { carriers, weights, surface_velocity, push };
+        let part = |push| PartedPoint { own, surface_velocity, push };
         parted.extend(constraint.parting(movers, dt).map(part));
         contacts.push(SampleContact {
             body: number,
             sample,
             obstacle,
-            carriers,
-            weights,
+            own,
             normal,
             gap,
             surface_velocity,
@@ -279,22 +276,13 @@ fn record<R: Real>(substep: Substep<'_, R>, workspace: &mut SamplesWorkspace<R>,
             max_work_j: constraint.max_work(movers, dt),
         });
         let depth = -(gap + dt * constraint.relative_velocity(movers).dot(normal));
-        let largest_coordinates = carriers.iter().map(|carrier| state.position[*carrier]);
+        let largest_coordinates = own.iter().map(|(carrier, _)| state.position[carrier]);
         let largest_coordinates = largest_coordinates.fold(R::Vec3::ZERO, |largest, at| largest.max(at).max(-at));
-        let (margin, side) = match &substep.obstacles.for_body(number, obstacle).shape {
-            _ if sample >= FIRST_EDGE_POINT => (0.0, 0),
-            ObstacleShape::Plane(plane) => {
-                let is_upper = normal.dot(plane.normal.to_dvec3()) > 0.0;
-                (narrow::plane::rounding_margin(plane, largest_coordinates).to_f64(), if is_upper { 1 } else { -1 })
-            }
-            ObstacleShape::Mesh(mesh) if mesh.side_row.is_some() => {
-                let at = carriers.iter().zip(weights).map(|(at, weight)| state.position[*at].to_dvec3() * weight);
-                let at = R::Vec3::from_dvec3(at.sum());
-                let is_upper = narrow::mesh::is_upper(mesh, at, R::Vec3::from_dvec3(normal));
-                (narrow::mesh::rounding_margin(mesh, largest_coordinates).to_f64(), if is_upper { 1 } else { -1 })
-            }
-            _ => (0.0, 0),
-        };
+        let shape = &substep.obstacles.for_body(number, obstacle).shape;
+        let is_on_edge = sample >= FIRST_EDGE_POINT;
+        let at = R::Vec3::from_dvec3(own.place(state));
+        let side = if is_on_edge { 0 } else { contact_side(shape, at, R::Vec3::from_dvec3(normal)) };
+        let margin = narrow::rounding_margin(shape, largest_coordinates).to_f64();
         let depth_m = constraint.pressed_at_end(movers, dt);
         if side != 0 && depth >= -margin || depth_m > 0.0 {
             touches.push(SampleTouch { body: number, sample, obstacle, side, depth_m });

@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use crate::math::{Real, Vector};
-use crate::physics::state::State;
+use crate::physics::contact::weighted::WeightedParticles;
 
 /// A point of a body's mesh that met an obstacle in the last substep, or a place in its cells that met an obstacle's edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,10 +13,8 @@ pub struct SampleContact {
     pub sample: usize,
     /// The obstacle.
     pub obstacle: usize,
-    /// The particles that carry the point, in the state's arrays.
-    pub carriers: [usize; 8],
-    /// Their weights: the weighted mean of the particles is where the point is, and each gets that share of the force.
-    pub weights: [f64; 8],
+    /// The particles that carry the point: their weighted mean is where it is, and each gets its share of the force.
+    pub own: WeightedParticles,
     /// Unit normal, away from the obstacle.
     pub normal: DVec3,
     /// Distance from the surface along the normal when the substep began, m; negative inside.
@@ -28,12 +25,4 @@ pub struct SampleContact {
     pub force: DVec3,
     /// The most work that its spring and being parted from the obstacle can do in the substep, J.
     pub max_work_j: f64,
-}
-
-impl SampleContact {
-    /// Where the point is, m.
-    pub fn place<R: Real>(&self, state: &State<R>) -> DVec3 {
-        let carried = self.carriers.iter().zip(self.weights);
-        carried.map(|(carrier, weight)| state.position[*carrier].to_dvec3() * weight).sum()
-    }
 }

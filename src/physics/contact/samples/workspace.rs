@@ -7,7 +7,7 @@ use super::record::SampleContact;
 use crate::math::Real;
 use crate::physics::contact::bodies::{Buckets, CandidatePoint};
 use crate::physics::contact::narrow::mesh::NearestPointCache;
-use crate::physics::contact::weighted::{Movers, PartingPush, PointConstraint};
+use crate::physics::contact::weighted::{Movers, PartingPush, PointConstraint, WeightedParticles};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
@@ -24,10 +24,8 @@ pub(super) struct FoundContact {
     /// The point, by its number in the body, or as in [`FIRST_EDGE_POINT`](crate::physics::model::FIRST_EDGE_POINT).
     pub(super) sample: usize,
     pub(super) obstacle: usize,
-    /// The particles that carry it, in the state's arrays, ...
-    pub(super) carriers: [usize; 8],
-    /// ... and their weights.
-    pub(super) weights: [f64; 8],
+    /// The particles that carry it.
+    pub(super) own: WeightedParticles,
     /// Unit normal, away from the obstacle.
     pub(super) normal: DVec3,
     /// Distance from the surface along the normal when the substep begins, m; negative inside.
@@ -82,10 +80,8 @@ pub(super) struct EdgePoint {
 /// A point that was parted from an obstacle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PartedPoint {
-    /// The particles that carry it, in the state's arrays, ...
-    pub(super) carriers: [usize; 8],
-    /// ... and their weights.
-    pub(super) weights: [f64; 8],
+    /// The particles that carry it.
+    pub(super) own: WeightedParticles,
     /// Velocity of the surface, m/s.
     pub(super) surface_velocity: DVec3,
     pub(super) push: PartingPush,

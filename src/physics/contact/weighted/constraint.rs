@@ -15,7 +15,7 @@
 
 use glam::DVec3;
 
-use super::law::PointLaw;
+use super::law::{PointLaw, coulomb_impulse};
 use super::movers::{Fastest, Mover, Movers, Shares};
 use crate::physics::contact::ContactConstraint;
 use crate::physics::contact::constraint::{ConstraintLaw, Parting};
@@ -242,11 +242,8 @@ impl PointConstraint {
         self.normal_impulse = normal_impulse;
         if friction == PointFriction::Coulomb && across > MIN_MOBILITY && self.rubs() {
             let sliding = relative_velocity - self.normal * along;
-            let wanted = self.friction_impulse - sliding * (1.0 / across);
-            let strength = wanted.length();
-            let held = strength <= self.law.friction[0] * normal_impulse;
-            let most = if held { strength } else { (self.law.friction[1] * normal_impulse).min(strength) };
-            let friction_impulse = if strength > 0.0 { wanted * (most / strength) } else { DVec3::ZERO };
+            let stopping = self.friction_impulse - sliding * (1.0 / across);
+            let friction_impulse = coulomb_impulse(stopping, self.law.friction, normal_impulse);
             change += friction_impulse - self.friction_impulse;
             self.friction_impulse = friction_impulse;
         }

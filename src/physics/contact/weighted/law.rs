@@ -1,5 +1,7 @@
 //! How hard a contact of a point pushes and rubs.
 
+use glam::DVec3;
+
 /// Default stiffness of a contact spring over the mass of the particle it has to carry, 1/s².
 pub(in crate::physics) const STIFFNESS_OVER_MASS: f64 = 1e5;
 
@@ -33,4 +35,13 @@ impl PointLaw {
         let sprung = pressed.clamp(0.0, self.depth_limit);
         0.5 * self.stiffness * sprung * sprung
     }
+}
+
+/// Returns the impulse of friction, N·s, where one of `stopping` would end all sliding: that, if friction at rest can give it, else
+/// the most that sliding friction gives. `friction` are Coulomb's coefficients, at rest and sliding.
+pub(in crate::physics) fn coulomb_impulse(stopping: DVec3, friction: [f64; 2], normal_impulse: f64) -> DVec3 {
+    let strength = stopping.length();
+    let held = strength <= friction[0] * normal_impulse;
+    let most = if held { strength } else { (friction[1] * normal_impulse).min(strength) };
+    if strength > 0.0 { stopping * (most / strength) } else { DVec3::ZERO }
 }

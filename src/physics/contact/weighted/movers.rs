@@ -1,5 +1,6 @@
 //! The particles and modal bodies that contacts of points may change, and their weights in each contact.
 
+use super::particles::WeightedParticles;
 use glam::DVec3;
 
 use super::modal::{ModalMovers, ModalShares};
@@ -114,6 +115,22 @@ impl Movers {
             self.velocity.push(predicted_velocity);
         }
         *place
+    }
+
+    /// Adds the shares of a contact of a point that particles of a body carry.
+    pub(in crate::physics::contact) fn weigh_particles<R: Real>(
+        &mut self,
+        substep: Substep<'_, R>,
+        body: usize,
+        own: &WeightedParticles,
+        velocity: &[R::Vec3],
+    ) -> Shares {
+        let (mut places, mut count) = ([(0, 0.0); 8], 0);
+        for (particle, weight) in own.iter() {
+            places[count] = (self.place(substep, body, particle, velocity), weight);
+            count += 1;
+        }
+        self.weigh(places[..count].iter().copied(), ModalShares::default())
     }
 
     /// Adds the shares of a contact: places with their weights, and its shares of modal bodies.

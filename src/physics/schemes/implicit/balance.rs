@@ -17,8 +17,6 @@
 
 use std::ops::Add;
 
-use glam::DVec3;
-
 use crate::math::{Real, Vector};
 use crate::physics::contact::{BodyContact, ContactRecord, Contacts, SampleContact, WeightedParticles};
 use crate::physics::forces::exact::ExactLinks;
@@ -209,8 +207,7 @@ fn between_bodies_work<R: Real>(number: usize, contacts: &[BodyContact], dt: f64
 fn mesh_work<R: Real>(number: usize, contacts: &[SampleContact], dt: f64, velocity: &[R::Vec3]) -> PointWork {
     let own = contacts.iter().filter(|contact| contact.body == number);
     own.fold(PointWork::default(), |sum, contact| {
-        let carried = contact.carriers.iter().zip(contact.weights);
-        let speed: DVec3 = carried.map(|(carrier, weight)| velocity[*carrier].to_dvec3() * weight).sum();
+        let speed = contact.own.mean(|carrier| velocity[carrier].to_dvec3());
         let work = dt * contact.force.dot(speed);
         let from_nowhere = (dt * contact.force.dot(speed - contact.surface_velocity) - contact.max_work_j).max(0.0);
         sum + PointWork { sum: work, total: work.abs(), from_nowhere }
