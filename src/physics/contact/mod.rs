@@ -9,8 +9,8 @@
 //! Files, by what they are about:
 //!
 //! ```text
-//! particles   candidate: what each particle near an obstacle meets; response: the law; between, gauss_seidel: several obstacles
-//!             at one particle; account: the energy of all that
+//! particles   respond: all that are near obstacles; candidate: what one of them meets; response: the law; between,
+//!             gauss_seidel: several obstacles at one particle; account: the energy of all that
 //! search      near: whether a body comes near at all; broad, near_particles, distance_cache: what is far; narrow, swept_point,
 //!             surface: where a path meets a shape
 //! schemes     constraint, solved: contact within the equations of the implicit scheme, of points by weighted::equations;
@@ -44,6 +44,7 @@ pub(super) mod near;
 mod near_particles;
 pub(super) mod placed;
 mod record;
+mod respond;
 mod response;
 pub(super) mod samples;
 mod sides;
@@ -58,12 +59,12 @@ mod workspace;
 
 pub(super) use bodies::BYTES_A_POINT;
 pub use bodies::BodyContact;
-pub(super) use candidate::{respond, respond_to_paths};
 pub(super) use constraint::{ContactConstraint, ParticleConstraint};
 pub(super) use held::limit_depths;
 pub(super) use narrow::mesh::NearestPointCache;
 pub use placed::Placed;
 pub use record::ContactRecord;
+pub(super) use respond::{respond, respond_to_paths};
 pub use samples::SampleContact;
 pub(super) use sides::{contact_side, remember_sides};
 pub(super) use solved::{find_constraints, finish_constraints};

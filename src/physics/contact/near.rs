@@ -8,8 +8,8 @@ use crate::physics::model::plan::Plan;
 use crate::physics::model::{ContactRule, Model, ObstacleModel, ObstacleShape};
 use crate::physics::state::State;
 
-/// Boxes are grown by this share of a cell, for what forces add to the motion within a substep.
-const MARGIN: f64 = 0.5;
+/// Boxes that look ahead for obstacles are grown by this share of a cell, for what forces add to the motion within a substep.
+pub(super) const AHEAD_SHARE: f64 = 0.5;
 
 /// Whether any particle of a body that is awake comes near an obstacle in the next `secs`, or touches one. `velocity_bounds` are
 /// the boxes around the velocities of each body, m/s. The thesis's rule is part of the forces and asks for no such care.
@@ -29,7 +29,7 @@ pub(in crate::physics) fn comes_near_obstacle<R: Real>(
         }
         let own = body.particles.clone();
         let (at, fast) = (bounds::<R>(plan.simd, &state.position[own.clone()]), velocity_bounds[number]);
-        let around = at.swept(fast, secs).grown(R::from_f64(MARGIN * body.lattice.grid.cell_size));
+        let around = at.swept(fast, secs).grown(R::from_f64(AHEAD_SHARE * body.lattice.grid.cell_size));
         (0..model.obstacles.len()).map(|obstacle| obstacles.for_body(number, obstacle)).any(|obstacle| {
             let touches = |row: usize| state.side[row][own.clone()].iter().any(|side| *side != 0);
             comes_near(obstacle, &around) || obstacle.shape.side_row().is_some_and(touches)

@@ -10,9 +10,10 @@
 use glam::DVec3;
 
 use super::account;
-use super::candidate::{Candidate, Candidates};
+use super::candidate::Candidate;
 use super::constraint::{ConstraintLaw, ContactConstraint, ParticleConstraint};
 use super::record::ContactRecord;
+use super::respond::Candidates;
 use super::response;
 use super::workspace::{ContactWorkspace, ObstaclesWorkspace};
 use crate::math::{Real, Vector};

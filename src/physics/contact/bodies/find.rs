@@ -4,7 +4,7 @@
 //! bodies      the boxes of two bodies overlap, where they would be at the end
 //! neighbours  points on the outside of one body that are near cells of the other: kept until bodies have moved
 //! cells       is the point in the box around the cell, in slabs that lean as it does, in the cell itself
-//! way out     the shortest of the six along the axes of the cell that lead against the point's own outward direction; in a
+//! exit        the shortest of the six along the axes of the cell that lead against the point's own outward direction; in a
 //!             body that meets others with its mesh, the way to that mesh, and none outside it
 //! ```
 //!
@@ -21,21 +21,20 @@ use glam::DVec3;
 
 use super::buckets::CandidatePoint;
 use super::cell::{Cell, INSIDE_TOLERANCE, distance_outside};
+use super::exit::{ExitDirection, PointExit};
 use super::inverse_map::{InverseMap, Slabs};
-use super::neighbours::{StoredPositions, candidate_cells, cell_bounds};
+use super::neighbours::{candidate_cells, cell_bounds};
 use super::points::{PairResult, Penetration, PointsWorkspace};
 use super::predicted::PredictedBody;
+use super::stored_positions::StoredPositions;
 use super::surface_points::SurfacePoints;
 use crate::math::{Aabb, Real, Vector};
-use crate::physics::model::{BodyModel, MeshPenetration, Model, Skin};
+use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
 use crate::physics::state::press::Press;
 
 /// A point outside a cell by no more than this, in cells, counts as inside it, and is looked for in no other.
 const ROUNDING_TOLERANCE: f64 = 1e-9;
-
-/// A way out leads against the outward direction of a point where the dot product of the two is below this.
-const MAX_OUTWARD_COSINE: f64 = -0.2;
 
 /// A body is mostly inside another where more than this share of its points is.
 const MOSTLY_INSIDE_SHARE: f64 = 0.5;
@@ -140,7 +139,8 @@ fn penetrations<R: Real>(
         let outward = || {
             surface_points.outward(points, candidate.point, candidate.position, &positions[points.particles.clone()])
         };
-        let WayOut { normal, depth, nearer } = way_out(skin, cells, candidate, &cell, away.ok_or_else(outward))?;
+        let direction = away.map_or_else(|| ExitDirection::Against(outward()), ExitDirection::Along);
+        let PointExit { normal, depth, nearer } = PointExit::of(skin, cells, candidate, &cell, direction)?;
         let (point, own) = surface_points.carried(candidate.point, points.particles.start);
         let now = Cell(carriers.map(|corner| search.position_now(cell_body, cells.particles.start + corner as usize)));
         let at = own.mean(|particle| search.position_now(point_body, particle));
@@ -160,70 +160,6 @@ fn penetrations<R: Real>(
             nearer,
         })
     })
-}
-
-/// How a point leaves a body.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::physics::contact) struct WayOut {
-    /// Unit normal out of the body.
-    pub(in crate::physics::contact) normal: DVec3,
-    /// How deep the point is inside along the normal, m.
-    pub(in crate::physics::contact) depth: f64,
-    /// How far it is to a nearer side, m, by which it does not leave.
-    nearer: Option<f64>,
-}
-
-/// Returns how a point in a `cell` of a body leaves it: by the given way (`Ok`), or by the nearest that leads against the
-/// point's outward direction (`Err`). None where there is no such way, or where the point is outside the body's `skin`.
-pub(in crate::physics::contact) fn way_out<R: Real>(
-    skin: Option<&Skin>,
-    body: &BodyModel<R>,
-    candidate: &CandidatePoint,
-    cell: &Cell,
-    away: Result<DVec3, DVec3>,
-) -> Option<WayOut> {
-    if let Some(skin) = skin {
-        let (normal, depth) = through_skin(skin, body, candidate, cell, away)?;
-        return Some(WayOut { normal, depth, nearer: None });
-    }
-    let sides = sides(cell, candidate.cell_coordinates, &body.hull().cells_to_outside[candidate.cell as usize]);
-    let (normal, depth) = match away {
-        Ok(away) => side_along(sides, away),
-        Err(outward) => nearest_side(sides, outward)?,
-    };
-    let nearer = sides.map(|(_, depth)| depth).into_iter().filter(|other| *other < depth).reduce(f64::min);
-    Some(WayOut { normal, depth, nearer })
-}
-
-/// Returns the normal of a body's mesh where a point in one of its cells may leave, and how deep the point is inside along that
-/// normal, m. The way is the given one (`Ok`), else the shortest if it leads against the point's outward direction (`Err`),
-/// else straight back from that direction. None where the point is outside the mesh.
-fn through_skin<R: Real>(
-    skin: &Skin,
-    body: &BodyModel<R>,
-    candidate: &CandidatePoint,
-    cell: &Cell,
-    away: Result<DVec3, DVec3>,
-) -> Option<(DVec3, f64)> {
-    let grid = &body.lattice.grid;
-    let at_rest = grid.corner(body.lattice.low(candidate.cell)) + candidate.cell_coordinates * grid.cell_size;
-    let shortest = skin.penetration(at_rest)?;
-    let jacobian = cell.jacobian(candidate.cell_coordinates);
-    // A way in the body at rest is deformed with the cell, and so are its layers, which are thinner where the cell is.
-    let (back, layers) = (jacobian.inverse(), jacobian.inverse().transpose() * grid.cell_size);
-    let carried = |MeshPenetration { normal, depth }| {
-        let across = layers * normal;
-        let per_metre = across.length();
-        (across * (1.0 / per_metre), depth / per_metre)
-    };
-    let along = |way: DVec3| skin.penetration_along(at_rest, (back * way).try_normalize()?).map(carried);
-    match away {
-        Ok(away) => along(away).or_else(|| Some(carried(shortest))),
-        Err(outward) => {
-            let (normal, depth) = carried(shortest);
-            if leads_out(normal, outward) { Some((normal, depth)) } else { along(-outward) }
-        }
-    }
 }
 
 /// A cell that points may be in.
@@ -274,41 +210,4 @@ impl<'a> CandidateCell<'a> {
         }
         true
     }
-}
-
-/// Whether a way out leads against the outward direction of a point.
-fn leads_out(normal: DVec3, outward: DVec3) -> bool {
-    outward == DVec3::ZERO || outward.dot(normal) < MAX_OUTWARD_COSINE
-}
-
-/// The normal of the nearest side of a body by which a point may leave, and how deep the point is there, m.
-fn nearest_side(sides: [(DVec3, f64); 6], outward: DVec3) -> Option<(DVec3, f64)> {
-    let mut best: Option<(DVec3, f64)> = None;
-    for (normal, depth) in sides {
-        if leads_out(normal, outward) && best.is_none_or(|(_, least)| depth < least) {
-            best = Some((normal, depth));
-        }
-    }
-    best
-}
-
-/// The same for the side whose normal is closest to a direction.
-fn side_along([first, others @ ..]: [(DVec3, f64); 6], along: DVec3) -> (DVec3, f64) {
-    let better =
-        |best: (DVec3, f64), side: (DVec3, f64)| if side.0.dot(along) > best.0.dot(along) { side } else { best };
-    others.into_iter().fold(first, better)
-}
-
-/// The normals of the six sides by which a point in a cell may leave a body, and how deep the point is there, m. At rest the
-/// sides are along the axes of the cell, `ways` cells away; they are deformed as the cell is at the place.
-fn sides(cell: &Cell, at: DVec3, ways: &[u32; 6]) -> [(DVec3, f64); 6] {
-    // How the place changes with the point: the normals of the cell's layers, longer where these are thinner.
-    let layers = cell.jacobian(at).inverse().transpose();
-    std::array::from_fn(|way| {
-        let (axis, is_up) = (way / 2, way % 2 == 1);
-        let across = layers.col(axis);
-        let per_metre = across.length();
-        let (towards, left) = if is_up { (1.0, 1.0 - at[axis]) } else { (-1.0, at[axis]) };
-        (across * (towards / per_metre), (f64::from(ways[way]) + left) / per_metre)
-    })
 }

@@ -24,7 +24,7 @@ use crate::physics::model::BodyModel;
 const MIN_NEAR_DISTANCE: f64 = 0.5;
 
 /// That distance exceeds how far particles move past each other in a substep by this, for what forces add to it, in cells.
-const MARGIN: f64 = 0.3;
+const AHEAD_CELLS: f64 = 0.3;
 
 /// Largest such distance, in cells: less than the distance at rest. A point that moves further in a substep may be caught late,
 /// inside.
@@ -44,13 +44,13 @@ pub(super) fn check<R: Real>(
     displacement: f64,
     workspace: &mut PointsWorkspace,
 ) -> (bool, f64) {
-    let near = (MARGIN + displacement).clamp(MIN_NEAR_DISTANCE, MAX_NEAR_DISTANCE);
+    let near = (AHEAD_CELLS + displacement).clamp(MIN_NEAR_DISTANCE, MAX_NEAR_DISTANCE);
     let distance = match distance_lower_bound(body, position) {
         Some(distance) if distance > near => distance,
         _ => measured_distance(body, position, workspace),
     };
     let is_near = distance <= near;
-    (is_near, if is_near { near } else { distance } - MARGIN)
+    (is_near, if is_near { near } else { distance } - AHEAD_CELLS)
 }
 
 /// Returns a lower bound of the distance between points and cells that meet, in cells; a good one where a body is deformed much

@@ -4,9 +4,10 @@
 //! ```text
 //! near        which bodies come near each other in the substep, and into how many parts it has to be divided for that
 //! itself      which bodies come near themselves: points and cells that belong together at rest are left out
-//! find        which points would be inside which cells at its end, and the way out: a distance field of the body at rest
-//!             ([`crate::physics::model::Hull`]), carried along by the cell (cell, inverse_map); pairs that are near are kept
-//!             for a while (neighbours, buckets, outcode)
+//! find        which points would be inside which cells at its end (cell, inverse_map); pairs that are near are kept for a
+//!             while (neighbours, stored_positions, buckets, outcode)
+//! exit        the way out of a point: a distance field of the body at rest ([`crate::physics::model::Hull`]), carried along
+//!             by the cell
 //! surface_points
 //!             the points that meet cells: particles of the outside or points of the mesh
 //! (weighted)  each is a contact of nine or sixteen weighted particles with one effective mass; point and cell get opposite
@@ -33,6 +34,7 @@
 
 mod buckets;
 mod cell;
+mod exit;
 mod find;
 mod inverse_map;
 mod itself;
@@ -45,12 +47,14 @@ mod pair;
 mod points;
 mod predicted;
 mod record;
+mod stored_positions;
 mod surface_points;
 mod workspace;
 
 pub(in crate::physics::contact) use buckets::{Buckets, CandidatePoint};
 pub(in crate::physics::contact) use cell::{Cell, INSIDE_TOLERANCE};
-pub(in crate::physics::contact) use find::{CandidateCell, WayOut, way_out};
+pub(in crate::physics::contact) use exit::{ExitDirection, PointExit};
+pub(in crate::physics::contact) use find::CandidateCell;
 pub(in crate::physics::contact) use inverse_map::InverseMap;
 pub(in crate::physics) use law::pair_law;
 pub(in crate::physics) use near::parts;

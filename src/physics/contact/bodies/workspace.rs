@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::motion::Motion;
-use super::neighbours::StoredPositions;
 use super::points::PointsWorkspace;
 use super::predicted::PredictedBody;
 use super::record::BodyContact;
+use super::stored_positions::StoredPositions;
 use crate::math::Real;
 use crate::physics::contact::weighted::{Movers, PointConstraint};
 use crate::physics::model::Model;

@@ -17,7 +17,8 @@ use super::moving_edge::{MARGIN_SHARE, edges_near, moved_bounds};
 use super::workspace::{EdgePoint, EdgesWorkspace, FoundContact, SamplesWorkspace};
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::bodies::{
-    CandidateCell, CandidatePoint, Cell, INSIDE_TOLERANCE, InverseMap, WayOut, are_beyond, way_out, write_outcodes,
+    CandidateCell, CandidatePoint, Cell, ExitDirection, INSIDE_TOLERANCE, InverseMap, PointExit, are_beyond,
+    write_outcodes,
 };
 use crate::physics::contact::narrow;
 use crate::physics::contact::weighted::WeightedParticles;
@@ -162,7 +163,8 @@ fn add_contacts<R: Real>(
             return None;
         }
         let cell = Cell(corners.map(|corner| predicted[corner as usize]));
-        let WayOut { normal, depth, .. } = way_out(skin, body, candidate, &cell, Err(outward))?;
+        let direction = ExitDirection::Against(outward);
+        let PointExit { normal, depth, .. } = PointExit::of(skin, body, candidate, &cell, direction)?;
         let entered = -dt * past.dot(normal);
         if depth > size.max(2.0 * entered) {
             return None;

@@ -3,14 +3,12 @@
 use glam::DVec3;
 
 use crate::math::{Aabb, Real, Vector};
+use crate::physics::contact::near::AHEAD_SHARE;
 use crate::physics::contact::placed::Placed;
 use crate::physics::model::{Edge, Frame, Model, ObstacleModel};
 
 /// Boxes are grown by this share of a cell, for places on its outside and for rounding error.
 pub(super) const MARGIN_SHARE: f64 = 1e-3;
-
-/// Boxes that look ahead are grown by this share of a cell, for what forces add to the motion within a substep.
-const AHEAD_SHARE: f64 = 0.5;
 
 /// An edge of an obstacle on its way through a substep, in the world.
 #[derive(Clone, Copy, Debug)]

@@ -6,15 +6,13 @@
 
 use super::moving_edge;
 use crate::math::{Aabb, Real, Vector};
+use crate::physics::contact::near::AHEAD_SHARE;
 use crate::physics::contact::placed::Placed;
 use crate::physics::kernels::bounds;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{Model, SampledCell, Samples};
 use crate::physics::state::State;
 use crate::physics::state::touch::SampleTouch;
-
-/// Boxes that look ahead are grown by this share of a cell, for what forces add to the motion within a substep.
-const MARGIN: f64 = 0.5;
 
 /// How much rounding error may take off a box, as a share of its size and of its distance from the origin.
 const ROUNDING_SHARE: f64 = 1e-5;
@@ -42,7 +40,7 @@ pub(in crate::physics) fn comes_near<R: Real>(
             return true;
         }
         let Some(samples) = &body.samples else { return false };
-        let margin = R::from_f64(MARGIN * body.lattice.grid.cell_size);
+        let margin = R::from_f64(AHEAD_SHARE * body.lattice.grid.cell_size);
         let all = bounds_of_all(at.swept(fast, secs), samples).grown(margin);
         let mut near = (0..model.obstacles.len()).map(|obstacle| &obstacles.for_body(number, obstacle).bounds);
         near.any(|around| {
