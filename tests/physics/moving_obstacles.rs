@@ -114,6 +114,34 @@ fn the_work_of_what_moves_is_all_that_bodies_gain() {
     }
 }
 
+/// Velocities are half a step behind: on time they are the mean of those before and after the substep that comes.
+#[test]
+fn diagnostics_take_the_coming_push_of_a_moving_obstacle_as_it_will_be() {
+    let bar =
+        ObstacleShape::Box(Cuboid { center: [0.0, 0.1, 0.0], half_extents: [0.5, 0.1, 0.5], ..Cuboid::default() });
+    for motion in [swing([0.0, -1.0, 0.0], 0.5, 0.4), swing([0.0, 1.0, 0.0], 0.1, 0.2)] {
+        let mut scene = falling(cube(4, 0.5, springs(60.0, 0.5, 0.008), [0.0, 0.3, 0.0]));
+        scene.settings.dt = 2e-4;
+        scene.obstacles = vec![moving(bar.clone(), motion)];
+        let mut simulation = simulate::<f64>(&scene);
+        let mass = simulation.diagnostics().mass_kg / simulation.state().velocity.len() as f64;
+        let (mut compared, mut pushed) = (0, 0);
+        for _ in 0..500 {
+            let (energy, before) = (simulation.diagnostics().energy, simulation.state().velocity.clone());
+            if simulation.step().counters.substeps != 1 {
+                continue;
+            }
+            let pairs = before.iter().zip(&simulation.state().velocity);
+            let kinetic: f64 = pairs.map(|(before, after)| 0.125 * mass * (before + after).length_squared()).sum();
+            let off = (energy.kinetic - kinetic).abs();
+            assert!(off <= 1e-12 * kinetic.max(1e-6), "{motion:?}: {} J, not {kinetic} J", energy.kinetic);
+            compared += 1;
+            pushed += usize::from(simulation.contacts().iter().any(|contact| contact.force.y > 0.0));
+        }
+        assert!(compared > 400 && pushed > 20, "{motion:?}: {compared} steps, {pushed} of them pushed");
+    }
+}
+
 #[test]
 fn nothing_sleeps_on_what_moves_and_what_is_far_does() {
     let mut scene = on_a_floor(turn([0.0, 1.0, 0.0], 1e-3));

@@ -25,9 +25,14 @@ struct Displaced<R: Real> {
 impl<R: Real> Placed<R> {
     /// The obstacles as a state has them, standing still.
     pub fn now(model: &Model<R>, state: &State<R>) -> Self {
+        Self::within(model, state, 0.0)
+    }
+
+    /// The obstacles as they move in the `secs` that follow on a state; where that is zero, as they stand.
+    pub(in crate::physics) fn within(model: &Model<R>, state: &State<R>, secs: f64) -> Self {
         let displaced = Vec::with_capacity(model.bodies.len() * model.obstacles.len());
         let mut placed = Self { obstacles: model.obstacles.clone(), displaced, moves: true };
-        placed.place(model, state, 0.0);
+        placed.place(model, state, secs);
         placed
     }
 

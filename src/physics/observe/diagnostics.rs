@@ -149,7 +149,7 @@ impl<'a, R: Real> NextSubstep<'a, R> {
         } else {
             (Cow::Borrowed(plan), coming)
         };
-        let obstacles = Placed::now(model, state);
+        let obstacles = Placed::within(model, state, part.secs);
         let inputs = Inputs { obstacles: &obstacles, grab: None, modal_grab: None };
         let timer = &mut ();
         let ending = substep(model, &observed_plan, part, inputs, &mut next, &mut workspace, &mut Recorder::new(timer));

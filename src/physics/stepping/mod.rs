@@ -15,6 +15,17 @@
 //!            bodies that would gain energy are slowed
 //! ```
 //!
+//! Files:
+//!
+//! ```text
+//! speeds        how fast bodies are
+//! contact_need  what contact asks for
+//! strain        what strained links ask for
+//! division      the parts that follow, and which comes next
+//! halves        those that the implicit scheme takes
+//! checks        when to look for what need not be looked for in every substep
+//! ```
+//!
 //! Modal bodies move after the particles of each part.
 //!
 //! The division under way is in the state, so that a state saved in the middle of a divided step goes on bit for bit.
@@ -131,6 +142,6 @@ pub(in crate::physics) fn first_part<R: Real>(
     state: &mut State<R>,
     workspace: &mut StepWorkspace<R>,
 ) -> Part {
-    let obstacles = Placed::now(model, state);
+    let obstacles = Placed::within(model, state, plan.substep_secs());
     Division::of(model, plan, state, (&obstacles, false), workspace).first_part(plan)
 }
