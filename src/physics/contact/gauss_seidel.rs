@@ -22,8 +22,8 @@ const STATIC_FRICTION_ROUNDS: usize = 16;
 /// by the cos² of the angle between two surfaces, so a narrow wedge needs many.
 const MAX_ROUNDS: usize = 256;
 
-/// Rounds between two looks at how fast the error falls. Where it will not have fallen far enough by `MAX_ROUNDS`, the rest is
-/// saved: surfaces all but meet, or friction wedges the particle in and the error rises.
+/// Rounds between two looks at how fast the error falls. Where two in a row foretell that it will not have fallen far enough by
+/// `MAX_ROUNDS`, the rest is spared: surfaces all but meet, or friction wedges the particle in and the error rises.
 const ROUNDS_BETWEEN_FORECASTS: usize = 32;
 
 /// After `STATIC_FRICTION_ROUNDS` the contacts have settled where none changes by more than this share of the largest speed at
@@ -66,7 +66,7 @@ impl<R: Real> Corner<'_, R> {
         for record in &mut *records {
             record.force = R::Vec3::ZERO;
         }
-        let mut earlier: Option<R> = None;
+        let mut forecast = Forecast { earlier: None, bad: 0 };
         for round in 0..MAX_ROUNDS {
             let is_static_phase = round < STATIC_FRICTION_ROUNDS;
             let friction = match () {
@@ -88,15 +88,8 @@ impl<R: Real> Corner<'_, R> {
             if largest <= share * speeds {
                 return Some(velocity);
             }
-            let rounds_left = MAX_ROUNDS - 1 - round;
-            if rounds_left.is_multiple_of(ROUNDS_BETWEEN_FORECASTS)
-                && let Some(earlier) = earlier.replace(largest)
-            {
-                let more = rounds_left / ROUNDS_BETWEEN_FORECASTS;
-                let at_the_end = (0..more).fold(largest, |error, _| error * (largest / earlier));
-                if at_the_end > share * speeds {
-                    return None;
-                }
+            if forecast.is_hopeless(round, largest, share * speeds) {
+                return None;
             }
         }
         None
@@ -110,6 +103,31 @@ impl<R: Real> Corner<'_, R> {
         let after = response::respond(&surface, contact, obstacle, friction, self.mass, self.dt, relative_velocity);
         // A particle that is not pushed keeps its velocity to the last bit.
         if after == relative_velocity { others } else { after + record.surface_velocity }
+    }
+}
+
+/// How the error of rounds falls.
+struct Forecast<R> {
+    /// The error at the last look.
+    earlier: Option<R>,
+    /// How many looks in a row foretold that it will not fall far enough.
+    bad: u32,
+}
+
+impl<R: Real> Forecast<R> {
+    /// Looks at the `error` after a round, where it is time to. Returns whether it will be above `limit` even after the last one.
+    fn is_hopeless(&mut self, round: usize, error: R, limit: R) -> bool {
+        let rounds_left = MAX_ROUNDS - 1 - round;
+        if !rounds_left.is_multiple_of(ROUNDS_BETWEEN_FORECASTS) {
+            return false;
+        }
+        let more = rounds_left / ROUNDS_BETWEEN_FORECASTS;
+        let falls_short = self.earlier.is_some_and(|earlier| {
+            let ratio = error / earlier;
+            (0..more).fold(error, |error, _| error * ratio) > limit
+        });
+        (self.earlier, self.bad) = (Some(error), if falls_short { self.bad + 1 } else { 0 });
+        self.bad >= 2
     }
 }
 
@@ -216,6 +234,24 @@ mod tests {
             records.iter().map(|record| record.force.dot(velocity)).sum(),
         ];
         assert!(given <= 1.01 * work, "the contacts give {given} W, of which the plate has {work} W");
+    }
+
+    /// The round after which an error that is `error` after each round is given up.
+    fn given_up(error: impl Fn(usize) -> f64) -> Option<usize> {
+        let mut forecast = Forecast { earlier: None, bad: 0 };
+        (0..MAX_ROUNDS).find(|round| forecast.is_hopeless(*round, error(*round), 1e-5))
+    }
+
+    #[test]
+    fn what_falls_too_slowly_is_given_up_and_what_will_settle_is_not() {
+        let last = MAX_ROUNDS - 1;
+        let falls_to = |end: f64| move |round: usize| libm::pow(end, round as f64 / last as f64);
+        assert_eq!(given_up(falls_to(0.9e-5)), None, "it settles in the last round");
+        assert_eq!(given_up(falls_to(1.1e-5)), Some(95), "it would not");
+        assert_eq!(given_up(|round| libm::exp2(round as f64)), Some(95), "it rises");
+        assert_eq!(given_up(|_| 1.0), Some(95), "it stays");
+        let once = |round| if round < 70 { 1.0 } else { libm::exp2(-((round - 70) as f64)) };
+        assert_eq!(given_up(once), None, "after one bad look a contact lets go, and the rest settles");
     }
 
     #[test]
