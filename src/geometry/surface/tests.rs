@@ -2,6 +2,10 @@
 
 use std::f64::consts::PI;
 
+use rapier3d::math::Vector;
+use rapier3d::parry::query::PointQuery;
+use rapier3d::parry::shape::{TriMesh as ParryMesh, TriMeshFlags};
+
 use super::*;
 use crate::geometry::trimesh::tests::boxed;
 
@@ -39,6 +43,32 @@ fn surface(mesh: &TriMesh) -> Surface {
 fn points() -> impl Iterator<Item = DVec3> {
     let part = |number: u32, step: f64| (f64::from(number) * step).fract() * 1.6 - 0.8;
     (1..4000).map(move |n| DVec3::new(part(n, 0.618_033_99), part(n, 0.754_877_67), part(n, 0.569_840_29)))
+}
+
+/// Parry's triangle mesh, in single precision, of a ball that is squeezed and dented.
+#[test]
+fn distances_and_insides_are_those_that_parry_finds() {
+    let mut dented = ball(14);
+    for at in &mut dented.positions {
+        let dent = 1.0 - 0.7 * (1.0 - at.distance(DVec3::new(0.6, 0.8, 0.0))).max(0.0);
+        *at = *at * dent * DVec3::new(1.0, 0.6, 0.35);
+    }
+    let ours = surface(&dented);
+    let vector = |at: DVec3| Vector::from(at.as_vec3().to_array());
+    let corners = ours.positions().iter().map(|at| vector(*at)).collect();
+    let triangles = ours.triangles().to_vec();
+    let theirs = ParryMesh::with_flags(corners, triangles, TriMeshFlags::ORIENTED).expect("a mesh");
+    let mut inside = 0;
+    for at in points() {
+        let (point, nearest) = (vector(at), ours.nearest(at));
+        let projected = theirs.project_local_point(point, false);
+        let wanted = f64::from((projected.point - point).length());
+        assert!((nearest.distance - wanted).abs() < 1e-6, "{at}: {} is not {wanted}", nearest.distance);
+        let is_close = nearest.distance < 1e-6;
+        assert!(is_close || ours.holds(at) == projected.is_inside, "{at} is inside or not");
+        inside += usize::from(projected.is_inside);
+    }
+    assert!(inside > 200, "{inside} points are inside");
 }
 
 #[test]

@@ -1,6 +1,9 @@
 //! Closed forms against their definitions, sampled.
 
 use glam::{DMat3, DVec3, Vec3};
+use rapier3d::math::Vector;
+use rapier3d::parry::query::PointQuery;
+use rapier3d::parry::shape::{Capsule, Cuboid, Cylinder};
 
 use super::*;
 use crate::math::rng::Rng;
@@ -71,6 +74,36 @@ fn the_distance_is_that_to_the_nearest_of_many_points_of_the_surface() {
             assert!((normal.length() - 1.0).abs() < 1e-12, "{form:?} at {at}: a unit normal");
             let foot = nearest(&form, at - normal * gap);
             assert!(foot.gap.abs() < 1e-12, "{form:?} at {at}: along the normal lies the surface, not {}", foot.gap);
+        }
+    }
+}
+
+/// Parry's shapes, in single precision.
+#[test]
+fn distances_are_those_that_parry_finds() {
+    let mut rng = Rng::new(29);
+    let single = |of: [f64; 2]| glam::DVec2::from(of).as_vec2().to_array();
+    let vector = |at: DVec3| Vector::from(at.as_vec3().to_array());
+    for form in forms() {
+        let theirs: Box<dyn PointQuery> = match form {
+            OrientedForm::Box { half_extents } => Box::new(Cuboid::new(vector(half_extents.into()))),
+            OrientedForm::Capsule { radius, half_height } => {
+                let [half_height, radius] = single([half_height, radius]);
+                Box::new(Capsule::new_y(half_height, radius))
+            }
+            OrientedForm::Cylinder { radius, half_height } => {
+                let [half_height, radius] = single([half_height, radius]);
+                Box::new(Cylinder::new(half_height, radius))
+            }
+        };
+        for _ in 0..1000 {
+            let at = anywhere(&mut rng, 1.3);
+            let point = vector(at);
+            let projected = theirs.project_local_point(point, false);
+            let distance = f64::from((projected.point - point).length());
+            let wanted = if projected.is_inside { -distance } else { distance };
+            let gap = nearest(&form, at).gap;
+            assert!((gap - wanted).abs() < 2e-6, "{form:?} at {at}: {gap} m, by parry {wanted} m");
         }
     }
 }
