@@ -42,6 +42,27 @@ fn a_second_of_frames_is_a_second_of_steps_and_a_pause_is_none() {
 }
 
 #[test]
+fn any_frame_rate_gives_the_same_bits() {
+    let hash = |frames_ms: &[u64]| {
+        let (mut session, mut left_ms) = (session("stack"), 600);
+        for frame_ms in frames_ms.iter().cycle() {
+            let frame_ms = left_ms.min(*frame_ms);
+            session.advance(Duration::from_millis(frame_ms), PLENTY);
+            left_ms -= frame_ms;
+            if left_ms == 0 {
+                break;
+            }
+        }
+        assert_eq!(session.simulation().state().steps, 600, "0.6 s at 1 ms steps in frames of {frames_ms:?} ms");
+        session.simulation().hash()
+    };
+    let steady = hash(&[10]);
+    for frames_ms in [&[1][..], &[7], &[16, 17, 17], &[33], &[2, 40, 5, 1, 23]] {
+        assert_eq!(hash(frames_ms), steady, "frames of {frames_ms:?} ms");
+    }
+}
+
+#[test]
 fn a_budget_of_nothing_takes_no_step_and_the_window_goes_on() {
     let mut session = session("cube-on-plane");
     session.advance(FRAME, Duration::ZERO);
