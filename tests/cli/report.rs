@@ -61,7 +61,8 @@ fn every_feature_is_compared_and_only_saves_time_where_it_should() {
     let report = folder.json(&format!("report cost cube-on-plane {SMALL}"));
     let rows = list(&report["scenes"][0], "ablation");
     let features = "structural links, shear links, bending links, damping, recovery from inversion, broad phase, \
-                    contact, friction, nothing (control), leaving out what is not needed, sleeping, colours";
+                    contact, friction, contact within bodies, nothing (control), leaving out what is not needed, \
+                    sleeping, colours";
     assert_eq!(names(rows, "feature"), features.split(", ").collect::<Vec<_>>());
     for row in rows {
         assert!(row["secs_on"].as_f64() > Some(0.0) && row["secs_off"].as_f64() >= Some(0.0), "{row}");
@@ -71,6 +72,20 @@ fn every_feature_is_compared_and_only_saves_time_where_it_should() {
     assert_eq!(same("damping"), Some(&false.into()), "another motion is told from the same");
     assert_eq!(same("broad phase"), Some(&true.into()));
     assert_eq!(same("nothing (control)"), Some(&true.into()), "a scene beside itself");
+    assert_eq!(same("contact within bodies"), Some(&true.into()), "the cube does not fold");
+}
+
+#[test]
+fn what_contact_of_bodies_costs_is_counted_and_compared() {
+    let report = Folder::new().json("report cost stack --quick");
+    let scene = &report["scenes"][0];
+    for counted in ["points_looked_for", "body_contacts"] {
+        assert!(scene[counted].as_u64() > Some(0), "{counted}: {}", scene[counted]);
+    }
+    let rows = list(scene, "ablation");
+    let same = |feature: &str| rows.iter().find(|row| row["feature"] == feature).map(|row| &row["same_bits"]);
+    assert_eq!(same("contact between bodies"), Some(&false.into()), "without it the cubes fall into each other");
+    assert_eq!(same("contact within bodies"), Some(&true.into()), "none folds");
 }
 
 #[test]

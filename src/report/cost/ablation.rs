@@ -103,6 +103,14 @@ pub(super) fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[
     if plan.friction {
         compare("friction", false, compiled(without_friction));
     }
+    if scene.settings.body_contact {
+        if scene.bodies.iter().filter(|body| body.collides).count() > 1 {
+            compare("contact between bodies", false, compiled(without_contact_between_bodies));
+        }
+        if scene.bodies.iter().any(|body| body.self_collides) {
+            compare("contact within bodies", false, compiled(without_contact_within_bodies));
+        }
+    }
     compare("nothing (control)", true, awake.clone());
     compare("leaving out what is not needed", true, planned(Plan::work_out_everything));
     if simulation.plan().sleeping {
@@ -135,6 +143,14 @@ fn without_friction(scene: &mut Scene) {
     for obstacle in &mut scene.obstacles {
         (obstacle.friction_static, obstacle.friction_dynamic) = (0.0, 0.0);
     }
+}
+
+fn without_contact_between_bodies(scene: &mut Scene) {
+    scene.bodies.iter_mut().for_each(|body| body.collides = false);
+}
+
+fn without_contact_within_bodies(scene: &mut Scene) {
+    scene.bodies.iter_mut().for_each(|body| body.self_collides = false);
 }
 
 /// Takes one substep that moves the bodies; steps that only advance the time are skipped. Returns how many cells were pushed
