@@ -114,6 +114,7 @@
 //! physics/model/plan.rs           substep_secs    how long each is
 //! physics/simulation.rs           substep         the owner of model, plan and state takes one
 //! physics/stepping/mod.rs         advance         in parts, each with its length
+//! physics/stepping/division.rs    next            how long the next part is
 //! physics/step/mod.rs             move_particles  what is awake moves
 //! physics/kernels/motion.rs       advance         x += dt u
 //! ```

@@ -162,7 +162,7 @@ fn help(color: ColorBy) -> &'static str {
         ColorBy::Net => "Net force on a particle: zero at rest",
         ColorBy::Strain => "Largest stretch of a particle's links",
         ColorBy::Speed => "Speed of a particle",
-        ColorBy::Contact => "Force of an obstacle on a particle",
+        ColorBy::Contact => "Force of obstacles and of other bodies on a particle",
         ColorBy::Stiffness => "Young's modulus of what a body is made of: where its inlays and parts are",
         ColorBy::Model => "The colours of vertices and materials in the model's file, where it has any",
     }

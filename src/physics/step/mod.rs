@@ -14,6 +14,9 @@
 //!          of all this
 //! ```
 //!
+//! What leads to the velocities is in `predicted` for the explicit schemes and in `solved` for the implicit one; both precisions
+//! are compiled in `precision`.
+//!
 //! The implicit scheme solves for pull, contact, also of bodies with each other, and v' at once: find constraints, solve,
 //! finish. Where that would give energy the part is taken again in halves; an explicit scheme takes the smallest of them if it
 //! is refused, too.

@@ -60,11 +60,6 @@ fn solve<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, rec
     }
 }
 
-/// Whether points of meshes meet obstacles.
-fn meets_on_mesh<R: Real>(substep: Substep<'_, R>) -> bool {
-    substep.plan.has_implicit_contact() && substep.plan.on_mesh.is_some()
-}
-
 /// Lists the contacts that bodies and particles come to if they fall as they are.
 fn find_constraints<R: Real>(
     substep: Substep<'_, R>,
@@ -103,7 +98,7 @@ fn solve_equations<R: Real>(
 ) -> bool {
     for round in 0..=contact::samples::MAX_SEARCH_REPEATS {
         let ContactWorkspace { samples, equations, .. } = &mut *contact;
-        let has_more = meets_on_mesh(substep)
+        let has_more = substep.plan.on_mesh.is_some()
             && contact::samples::find_constraints(substep, velocity, samples, equations, recorder);
         if round > 0 && !has_more {
             break;
@@ -117,7 +112,7 @@ fn solve_equations<R: Real>(
     true
 }
 
-/// Records what contact did in the solution.
+/// Records what contact did in the solution, and takes out of the velocities what contact does not allow.
 fn finish_constraints<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
@@ -128,7 +123,7 @@ fn finish_constraints<R: Real>(
         contact::finish_constraints(substep, velocity, contact, recorder);
     }
     let ContactWorkspace { bodies, samples, equations, .. } = contact;
-    if meets_on_mesh(substep) {
+    if substep.plan.on_mesh.is_some() {
         contact::samples::finish_constraints(substep, velocity, samples, equations, recorder);
         contact::samples::count_parting_work(substep, velocity, samples, recorder);
     }

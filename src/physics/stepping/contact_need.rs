@@ -24,7 +24,8 @@ pub(super) struct ContactNeed {
 }
 
 impl ContactNeed {
-    /// That of the coming substep, in which obstacles are there and a hand pulls or not. Wakes bodies that others come to.
+    /// That of the coming substep, in which obstacles are there and a hand pulls or not. Wakes bodies that others come to, and
+    /// notes which bodies are near themselves.
     pub(super) fn of<R: Real>(
         model: &Model<R>,
         plan: &Plan,

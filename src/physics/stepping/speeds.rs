@@ -22,7 +22,7 @@ impl<R: Real> Speeds<R> {
         Self { velocity_bounds: Vec::with_capacity(bodies), relative: Vec::with_capacity(bodies) }
     }
 
-    /// Writes those of a state, where strain or contact divide substeps and so need them.
+    /// Writes those of a state; none where neither strain nor contact divides substeps.
     pub(super) fn measure(&mut self, model: &Model<R>, plan: &Plan, state: &State<R>) {
         self.velocity_bounds.clear();
         self.relative.clear();

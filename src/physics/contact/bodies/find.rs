@@ -10,12 +10,6 @@
 //!
 //! In contact of a body with itself only the cells near its outside are tested, and none that touches a cell around the point
 //! ([`super::itself`]).
-//!
-//! A point has an outward direction of its own: away from the middle of the cells around it. It is pushed out only against
-//! that, so that a slab of one cell is not pushed on through another that it is more than half way into, and the edge of a
-//! cube on a cube is not pushed off sideways. The points of a body that is mostly inside another would be pushed every way at
-//! once, so they all leave the same way: from the middle of the other body to that of their own. Where the way to the nearest
-//! place of a mesh leads on through it, the point is let out straight back.
 
 use glam::DVec3;
 

@@ -6,8 +6,8 @@
 //! itself      which bodies come near themselves: points and cells that belong together at rest are left out
 //! find        which points would be inside which cells at its end (cell, inverse_map); pairs that are near are kept for a
 //!             while (neighbours, stored_positions, buckets, outcode)
-//! exit        the way out of a point: a distance field of the body at rest ([`crate::physics::model::Hull`]), carried along
-//!             by the cell
+//! exit        the way out of a point: a distance field of the body at rest ([`crate::physics::model::Hull`]), or its mesh,
+//!             carried along by the cell
 //! surface_points
 //!             the points that meet cells: particles of the outside or points of the mesh
 //! (weighted)  each is a contact of nine or sixteen weighted particles with one effective mass; point and cell get opposite

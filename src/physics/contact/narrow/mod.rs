@@ -29,7 +29,7 @@ pub(super) fn meet<R: Real>(shape: &ObstacleShape<R>, side: i8, from: R::Vec3, p
 pub(super) fn rounding_margin<R: Real>(shape: &ObstacleShape<R>, at: R::Vec3) -> R {
     match shape {
         ObstacleShape::Plane(plane) => plane::rounding_margin(plane, at),
-        ObstacleShape::Mesh(mesh) => mesh::rounding_margin(mesh, at),
+        ObstacleShape::Mesh(mesh) if mesh.side_row.is_some() => mesh::rounding_margin(mesh, at),
         _ => R::ZERO,
     }
 }

@@ -66,7 +66,7 @@ pub(super) fn find_contacts<R: Real>(
     workspace.found_contacts.len() > before
 }
 
-/// The particles of a cell that carries points, as a substep begins.
+/// The particles of a cell that carries points: where they are as a substep begins, and how they would move in it.
 struct Corners<R: Real> {
     /// Their numbers in the body.
     particles: [u32; 8],

@@ -45,3 +45,19 @@ pub(in crate::physics) fn coulomb_impulse(stopping: DVec3, friction: [f64; 2], n
     let most = if held { strength } else { (friction[1] * normal_impulse).min(strength) };
     if strength > 0.0 { stopping * (most / strength) } else { DVec3::ZERO }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn friction_holds_up_to_its_limit_and_slides_with_less_beyond() {
+        let stopping = DVec3::new(3.0, 0.0, -4.0);
+        assert_eq!(coulomb_impulse(stopping, [0.5, 0.2], 10.0), stopping, "just as much as friction at rest can give");
+        let sliding = coulomb_impulse(stopping * 1.001, [0.5, 0.2], 10.0);
+        assert!((sliding - stopping * 0.4).length() < 1e-12, "2 N·s, the same way: {sliding}");
+        assert_eq!(coulomb_impulse(stopping, [0.0, 9.0], 10.0), stopping, "never more than stops it");
+        assert_eq!(coulomb_impulse(DVec3::ZERO, [0.5, 0.2], 10.0), DVec3::ZERO, "nothing slides");
+        assert_eq!(coulomb_impulse(stopping, [0.5, 0.2], 0.0), DVec3::ZERO, "nothing presses");
+    }
+}

@@ -2,6 +2,7 @@
 //! in a cell of another ([`super::bodies`]), a point of a body's mesh at an obstacle ([`super::samples`]).
 //!
 //! ```text
+//! particles   what carries a point: a few particles with weights
 //! movers      the particles that contacts may change, and their weights in each contact
 //! modal       the same for modal bodies, which move as a whole
 //! law         how hard a contact pushes and rubs
