@@ -149,7 +149,8 @@ impl<'a, R: Real> NextSubstep<'a, R> {
         } else {
             (Cow::Borrowed(plan), coming)
         };
-        let obstacles = Placed::within(model, state, part.secs);
+        // In an instant rounding error would be most of how far they move.
+        let obstacles = Placed::within(model, state, if is_velocity_synchronised { 0.0 } else { part.secs });
         let inputs = Inputs { obstacles: &obstacles, grab: None, modal_grab: None };
         let timer = &mut ();
         let ending = substep(model, &observed_plan, part, inputs, &mut next, &mut workspace, &mut Recorder::new(timer));
