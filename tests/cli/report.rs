@@ -77,7 +77,7 @@ fn every_feature_is_compared_and_only_saves_time_where_it_should() {
 
 #[test]
 fn what_contact_of_bodies_costs_is_counted_and_compared() {
-    let report = Folder::new().json("report cost stack --quick");
+    let report = Folder::new().json("report cost stack --quick --json");
     let scene = &report["scenes"][0];
     for counted in ["points_looked_for", "body_contacts"] {
         assert!(scene[counted].as_u64() > Some(0), "{counted}: {}", scene[counted]);
@@ -102,7 +102,7 @@ fn a_person_reads_tables_and_finds_them_in_the_folder() {
     assert_eq!(written("cost.md").trim_end(), ran.figures.trim_end(), "the file holds what is printed");
     let table = written("cost.csv");
     let kinds = |kind: &str| table.lines().filter(|line| line.starts_with(&format!("incline,{kind},"))).count();
-    assert_eq!((kinds("stage"), kinds("left out"), kinds("feature")), (7, 2, 12), "{table}");
+    assert_eq!((kinds("stage"), kinds("left out"), kinds("feature")), (7, 2, 13), "{table}");
     let columns: Vec<usize> = table.lines().map(|line| line.split(',').count()).collect();
     assert!(columns.iter().all(|&count| count == 11), "{columns:?}: {table}");
     let plot = written("cost.svg");
