@@ -99,6 +99,24 @@ fn a_u_stays_hooked_in_another_also_at_a_hundred_times_its_weight() {
 }
 
 #[test]
+fn what_bodies_that_meet_do_is_seen_within_a_second() {
+    for name in ["pile", "stack", "newton", "hook", "comb", "fold", "conveyor"] {
+        let scene = (preset(name).expect("a preset").build)();
+        let mut simulation = Simulation::<f32>::from_scene(&scene, "".as_ref()).expect("a sound scene");
+        let (bounds, before) = (simulation.diagnostics().bounds, simulation.state().position.clone());
+        let mut touching = 0;
+        while simulation.state().time_secs < 1.0 {
+            simulation.step();
+            let bodies = simulation.body_contacts().len();
+            touching += bodies + simulation.contacts().len() + simulation.sample_contacts().len();
+        }
+        let ways = before.iter().zip(&simulation.state().position).map(|(before, now)| (*now - *before).length());
+        let (moved, size) = (f64::from(ways.fold(0.0, f32::max)), (bounds.max - bounds.min).length());
+        assert!(moved > 0.03 * size && touching > 0, "{name}: {moved} m of {size} m, {touching} contacts");
+    }
+}
+
+#[test]
 fn the_stack_stands() {
     let figures = after_eight_seconds("stack");
     is_sound(&figures);
