@@ -200,6 +200,11 @@ impl Plan {
         self.contact && self.contact_rule == ContactRule::Implicit
     }
 
+    /// Whether points of meshes meet obstacles, or cells their edges.
+    pub(in crate::physics) fn has_point_contact(&self) -> bool {
+        self.has_implicit_contact() && self.on_mesh.is_some()
+    }
+
     /// How substeps with any of the contacts that have a plan of their own are taken.
     pub(in crate::physics) fn contact_plan(&self) -> Option<BodyContactPlan> {
         self.on_mesh.or(self.between_bodies).or(self.at_obstacles)

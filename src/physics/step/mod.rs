@@ -198,7 +198,7 @@ fn is_sound<R: Real>(substep: Substep<'_, R>, prediction: Prediction, workspace:
     if prediction == (Prediction::Made { is_finite: true }) && substep.grab.is_none() {
         // Since then contact alone has changed velocities.
         return contact
-            .contacts()
+            .all_contacts()
             .particles()
             .all(|p| (substep.state.position[p] + velocity[p] * substep.dt).is_finite());
     }

@@ -82,7 +82,7 @@ fn meet_obstacles<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspac
         if substep.plan.on_mesh.is_some() {
             contact::samples::meet(substep, velocity, &mut contact.samples, recorder);
         }
-        contact::respond(substep, velocity, contact, recorder);
+        contact::meet_obstacles(substep, velocity, contact, recorder);
         recorder.enter(Stage::Integrate);
         contact::samples::count_parting_work(substep, velocity, &contact.samples, recorder);
     }
@@ -123,7 +123,7 @@ fn correct_paths<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace
         let held = &mut workspace.scheme.stages.held;
         contact::limit_depths(substep, held, mean_velocity, &mut workspace.velocity);
     }
-    contact::respond_to_paths(substep, &mut workspace.velocity, mean_velocity, &mut workspace.contact, recorder);
+    contact::meet_on_paths(substep, &mut workspace.velocity, mean_velocity, &mut workspace.contact, recorder);
     if substep.scheme == Scheme::Stabilised {
         let SchemeWorkspace { stages, velocity: left, .. } = &workspace.scheme;
         workspace.contact.record_forces(substep, &stages.held, [left, &workspace.velocity]);

@@ -28,7 +28,7 @@ pub(super) fn find_velocities<R: Real>(
         return true;
     }
     let StepWorkspace { velocity, force, contact, scheme, forces: of_forces, .. } = workspace;
-    let contacts = contact.contacts();
+    let contacts = contact.all_contacts();
     let end = SubstepEnd { velocity, moving: scheme.moving(velocity), force, contacts };
     let stops = || recorder.stops();
     if substep.stays_finite(velocity)
@@ -98,7 +98,7 @@ fn solve_equations<R: Real>(
 ) -> bool {
     for round in 0..=contact::samples::MAX_SEARCH_REPEATS {
         let ContactWorkspace { samples, equations, .. } = &mut *contact;
-        let has_more = substep.plan.on_mesh.is_some()
+        let has_more = substep.plan.has_point_contact()
             && contact::samples::find_constraints(substep, velocity, samples, equations, recorder);
         if round > 0 && !has_more {
             break;
@@ -123,7 +123,7 @@ fn finish_constraints<R: Real>(
         contact::finish_constraints(substep, velocity, contact, recorder);
     }
     let ContactWorkspace { bodies, samples, equations, .. } = contact;
-    if substep.plan.on_mesh.is_some() {
+    if substep.plan.has_point_contact() {
         contact::samples::finish_constraints(substep, velocity, samples, equations, recorder);
         contact::samples::count_parting_work(substep, velocity, samples, recorder);
     }
@@ -156,5 +156,33 @@ fn slow<R: Real>(
                 *velocity = if halvings_left == 0 || !is_finite { R::Vec3::ZERO } else { *velocity * R::from_f64(0.5) };
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::physics::Simulation;
+    use crate::scene::body::{ContactOn, ModelShape};
+    use crate::scene::settings::Integrator;
+    use crate::scene::{Body, Obstacle, Scene, Shape};
+
+    /// The cost report leaves out all contact so.
+    #[test]
+    fn a_plan_without_contact_meets_nothing_on_meshes_either() {
+        let shape = ModelShape { path: "builtin:tree.obj".to_owned(), divisions: 6, ..ModelShape::default() };
+        let mut body = Body { shape: Shape::Model(shape), contact_on: ContactOn::Mesh, ..Body::default() };
+        body.pose.position = [0.0, 0.5, 0.0];
+        let mut scene = Scene { bodies: vec![body], obstacles: vec![Obstacle::default()], ..Scene::default() };
+        scene.settings.integrator = Integrator::Implicit;
+        let met = |contact: bool| {
+            let mut simulation = Simulation::<f32>::from_scene(&scene, "".as_ref()).expect("a sound scene");
+            simulation.plan_mut().contact = contact;
+            (0..400).fold(0, |met, _| {
+                simulation.step();
+                met + simulation.sample_contacts().len()
+            })
+        };
+        assert!(met(true) > 0, "it falls on the ground");
+        assert_eq!(met(false), 0, "and through it where there is no contact");
     }
 }
