@@ -1,4 +1,4 @@
-//! The response of all particles to the obstacles that they meet: body by body, on threads.
+//! All contact candidates: particles near obstacles, body by body, on threads.
 
 use super::candidate::Candidate;
 use super::record::ContactRecord;
@@ -11,7 +11,7 @@ use crate::physics::step::substep::Substep;
 use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// Changes the predicted velocities of all particles that meet an obstacle within this substep.
-pub(in crate::physics) fn respond<R: Real>(
+pub(in crate::physics) fn meet_obstacles<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
     workspace: &mut ContactWorkspace<R>,
@@ -24,7 +24,7 @@ pub(in crate::physics) fn respond<R: Real>(
 /// Changes the velocities that move particles, in schemes where they differ from the velocities at the end of the substep.
 /// Except in the stabilised scheme, a particle that has met an obstacle moves with its velocity at the end. A particle that
 /// nothing has pushed may be led into an obstacle by its path: it is stopped there, and its velocity changes too.
-pub(in crate::physics) fn respond_to_paths<R: Real>(
+pub(in crate::physics) fn meet_on_paths<R: Real>(
     substep: Substep<'_, R>,
     velocity: &mut [R::Vec3],
     path: &mut [R::Vec3],

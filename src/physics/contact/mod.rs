@@ -9,7 +9,7 @@
 //! Files, by what they are about:
 //!
 //! ```text
-//! particles   respond: all that are near obstacles; candidate: what one of them meets; response: the law; between,
+//! particles   candidates: all that are near obstacles; candidate: what one of them meets; response: the law; between,
 //!             gauss_seidel: several obstacles at one particle; account: the energy of all that
 //! search      near: whether a body comes near at all; broad, near_particles, distance_cache: what is far; narrow, swept_point,
 //!             surface: where a path meets a shape
@@ -34,6 +34,7 @@ mod between;
 pub(super) mod bodies;
 mod broad;
 mod candidate;
+mod candidates;
 mod constraint;
 mod distance_cache;
 mod gauss_seidel;
@@ -44,7 +45,6 @@ pub(super) mod near;
 mod near_particles;
 pub(super) mod placed;
 mod record;
-mod respond;
 mod response;
 pub(super) mod samples;
 mod sides;
@@ -59,20 +59,20 @@ mod workspace;
 
 pub(super) use bodies::BYTES_A_POINT;
 pub use bodies::BodyContact;
+pub(super) use candidates::{meet_obstacles, meet_on_paths};
 pub(super) use constraint::{ContactConstraint, ParticleConstraint};
 pub(super) use held::limit_depths;
 pub(super) use narrow::mesh::NearestPointCache;
 pub use placed::Placed;
 pub use record::ContactRecord;
-pub(super) use respond::{respond, respond_to_paths};
 pub use samples::SampleContact;
 pub(super) use sides::{contact_side, remember_sides};
 pub(super) use solved::{find_constraints, finish_constraints};
 pub(super) use surface::Surface;
 pub(super) use swept_point::SweptPoint;
 pub(super) use weighted::{
-    BYTES_A_CONTACT, PARTING_SPEED_SHARE, STIFFNESS_OVER_MASS, Touching, WeightedConstraint, WeightedConstraints,
-    coulomb_impulse, pressed_at_end,
+    BYTES_A_CONTACT, MIN_MOBILITY, PARTING_SPEED_SHARE, STIFFNESS_OVER_MASS, Touching, WeightedConstraint,
+    WeightedConstraints, coulomb_impulse, pressed_at_end,
 };
 pub use weighted::{DEPTH_SHARE, WeightedParticles};
 pub(super) use workspace::{BYTES_A_PARTICLE_AND_MESH, ContactWorkspace, Contacts, SURFACE_PARTICLES_A_CONTACT};

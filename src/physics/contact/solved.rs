@@ -11,9 +11,9 @@ use glam::DVec3;
 
 use super::account;
 use super::candidate::Candidate;
+use super::candidates::Candidates;
 use super::constraint::{ConstraintLaw, ContactConstraint, ParticleConstraint};
 use super::record::ContactRecord;
-use super::respond::Candidates;
 use super::response;
 use super::workspace::{ContactWorkspace, ObstaclesWorkspace};
 use crate::math::{Real, Vector};

@@ -138,8 +138,8 @@ impl<R: Real> ContactWorkspace<R> {
         }
     }
 
-    /// The contacts of the last substep.
-    pub(in crate::physics) fn contacts(&self) -> Contacts<'_, R> {
+    /// The contacts of the last substep, of all kinds.
+    pub(in crate::physics) fn all_contacts(&self) -> Contacts<'_, R> {
         Contacts {
             at_obstacles: &self.contacts,
             between_bodies: &self.bodies.contacts,

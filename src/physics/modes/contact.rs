@@ -7,7 +7,8 @@ use super::motion::{Motion, PointMotion, ROUNDING_MARGIN, superpose};
 use super::oscillator::Oscillator;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::{
-    NearestPointCache, PARTING_SPEED_SHARE, Placed, SweptPoint, contact_side, coulomb_impulse, pressed_at_end,
+    MIN_MOBILITY, NearestPointCache, PARTING_SPEED_SHARE, Placed, SweptPoint, contact_side, coulomb_impulse,
+    pressed_at_end,
 };
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{Model, ObstacleModel, ObstacleShape};
@@ -27,9 +28,6 @@ const MIN_GROUP_COSINE: f64 = 0.9;
 
 /// The least damping ratio of a free body's contacts, so that it comes to rest.
 const MIN_DAMPING_RATIO: f64 = 0.05;
-
-/// A point whose mobility is below this (1/kg) counts as held: modes move it by no more than rounding errors.
-const MIN_MOBILITY: f64 = 1e-12;
 
 /// The contact of a point, or of a group of points, with an obstacle. All in the body's coordinates.
 #[derive(Clone, Debug)]

@@ -48,13 +48,45 @@ impl ContactNeed {
             .filter(|_| points_are_near)
             .or(plan.between_bodies.filter(|_| bodies_are_near))
             .or_else(|| plan.at_obstacles.filter(|_| needs_parts_at_obstacles()));
-        let undivided = Self { plan: None, parts: 1, halvings: 0, bodies_are_near, points_are_near };
-        let Some(contact_plan) = by_parts else { return undivided };
-        let parts_by_travel = by_travel.unwrap_or(1);
-        let parts = contact_plan.parts.max(parts_by_travel);
-        let halvings = parts_by_travel.next_power_of_two().trailing_zeros();
+        Self { bodies_are_near, points_are_near, ..Self::decided(by_parts, by_travel.unwrap_or(1)) }
+    }
+
+    /// That of a substep in contact that `plan` divides, in which bodies travel past each other so far that it takes `by_travel`
+    /// parts; none divides it where nothing is near.
+    fn decided(plan: Option<BodyContactPlan>, by_travel: u32) -> Self {
+        let undivided = Self { plan: None, parts: 1, halvings: 0, bodies_are_near: false, points_are_near: false };
+        let Some(contact_plan) = plan else { return undivided };
+        let parts = contact_plan.parts.max(by_travel);
+        let halvings = by_travel.next_power_of_two().trailing_zeros();
         let is_solved_for =
             contact_plan.parts_a_solve.is_some_and(|a_solve| a_solve * f64::from(1 << halvings) < f64::from(parts));
-        if is_solved_for { Self { halvings, ..undivided } } else { Self { plan: by_parts, parts, ..undivided } }
+        if is_solved_for { Self { halvings, ..undivided } } else { Self { plan, parts, ..undivided } }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::model::Scheme;
+
+    #[test]
+    fn a_substep_is_divided_for_contact_or_solved_for_whichever_is_cheaper() {
+        let plan = |parts, parts_a_solve| {
+            let scheme = Scheme::SemiImplicit;
+            Some(BodyContactPlan { scheme, parts, strained_parts: 2 * parts, parts_a_solve })
+        };
+        // The parts, the halvings, and whether contact divides the substep.
+        for (plan, by_travel, wanted) in [
+            (None, 1, (1, 0, false)),
+            (plan(3, None), 1, (3, 0, true)),
+            (plan(3, None), 5, (5, 0, true)),
+            // Eight halves are as many as five parts take: each may cost 100 / 8.
+            (plan(100, Some(12.4)), 5, (1, 3, false)),
+            (plan(100, Some(12.6)), 5, (100, 0, true)),
+            (plan(100, Some(99.0)), 1, (1, 0, false)),
+        ] {
+            let need = ContactNeed::decided(plan, by_travel);
+            assert_eq!((need.parts, need.halvings, need.plan.is_some()), wanted, "{plan:?}, {by_travel} by travel");
+        }
     }
 }

@@ -14,7 +14,7 @@ use glam::DVec3;
 use super::buckets::{Buckets, CandidatePoint};
 use super::cell::INSIDE_TOLERANCE;
 use super::outcode::{are_beyond, write_outcodes};
-use super::stored_positions::{StoredPositions, USED_MARGIN_SHARE, margin};
+use super::stored_positions::{StoredPositions, USED_MARGIN_SHARE, list_margin};
 use super::surface_points::SurfacePoints;
 use crate::math::{Aabb, Real};
 use crate::physics::model::{BodyModel, Model};
@@ -123,7 +123,7 @@ impl NeighbourLists {
         let NeighbourList { points, neighbours, .. } = &self.lists[number];
         #[expect(clippy::cast_possible_truncation, reason = "what is lost is allowed for")]
         let displacement = (stored.relative_displacement(pair) / USED_MARGIN_SHARE) as f32
-            + (ROUNDING_SHARE * margin(model, pair)) as f32;
+            + (ROUNDING_SHARE * list_margin(model, pair)) as f32;
         NeighbourListView {
             points: &self.points[points.clone()],
             neighbours: &self.neighbours[neighbours.clone()],
@@ -152,7 +152,7 @@ impl NeighbourLists {
         buckets: &mut Buckets,
     ) {
         let ([points, cells], positions) = (pair.map(|number| &model.bodies[number]), &stored.positions);
-        let (is_itself, margin) = (pair[0] == pair[1], margin(model, pair));
+        let (is_itself, margin) = (pair[0] == pair[1], list_margin(model, pair));
         let cell_size = cells.lattice.grid.cell_size;
         let reach = INSIDE_TOLERANCE * cell_size + margin;
         let own = &positions[cells.particles.clone()];

@@ -70,7 +70,7 @@ impl StoredPositions {
                 for body in order {
                     // A NaN distance counts as too far.
                     let displacement = self.relative_displacement(*pair);
-                    if !displacement.is_nan() && displacement <= USED_MARGIN_SHARE * margin(model, *pair) {
+                    if !displacement.is_nan() && displacement <= USED_MARGIN_SHARE * list_margin(model, *pair) {
                         break;
                     }
                     let own = model.bodies[body].particles.clone();
@@ -106,6 +106,6 @@ impl StoredPositions {
 }
 
 /// How far the bodies of a pair may move past each other until their list is rebuilt, m.
-pub(super) fn margin<R: Real>(model: &Model<R>, [_, cells]: [usize; 2]) -> f64 {
+pub(super) fn list_margin<R: Real>(model: &Model<R>, [_, cells]: [usize; 2]) -> f64 {
     LIST_MARGIN * model.bodies[cells].lattice.grid.cell_size
 }

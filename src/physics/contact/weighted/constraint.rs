@@ -15,7 +15,7 @@
 
 use glam::DVec3;
 
-use super::law::{PointLaw, coulomb_impulse};
+use super::law::{MIN_MOBILITY, PointLaw, coulomb_impulse};
 use super::movers::{Fastest, Mover, Movers, Shares};
 use crate::physics::contact::ContactConstraint;
 use crate::physics::contact::constraint::{ConstraintLaw, Parting};
@@ -93,9 +93,6 @@ impl PartingPush {
         (self.impulse.dot(mean_velocity) + self.spring_gain).max(0.0)
     }
 }
-
-/// Below this mobility a push moves nothing by more than rounding error, 1/kg.
-const MIN_MOBILITY: f64 = 1e-12;
 
 /// In a second, points are parted by at most this many times the depth by which they are too deep.
 const PARTING_RATE: f64 = 10.0;

@@ -12,6 +12,9 @@ pub const DEPTH_SHARE: f64 = 0.02;
 /// second.
 pub(in crate::physics) const PARTING_SPEED_SHARE: f64 = 0.5;
 
+/// A point whose mobility is below this (1/kg) counts as held: a push moves it by no more than rounding error.
+pub(in crate::physics) const MIN_MOBILITY: f64 = 1e-12;
+
 /// The law of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::physics) struct PointLaw {

@@ -23,7 +23,7 @@ pub(in crate::physics) use constraint::pressed_at_end;
 pub(super) use constraint::{ContactPlane, PartingPush, PointConstraint, SpringBefore};
 pub(in crate::physics) use equations::{BYTES_A_CONTACT, Touching, WeightedConstraint, WeightedConstraints};
 pub use law::DEPTH_SHARE;
-pub(in crate::physics) use law::{PARTING_SPEED_SHARE, PointLaw, STIFFNESS_OVER_MASS, coulomb_impulse};
+pub(in crate::physics) use law::{MIN_MOBILITY, PARTING_SPEED_SHARE, PointLaw, STIFFNESS_OVER_MASS, coulomb_impulse};
 pub(in crate::physics) use modal::ModalBodies;
 pub(super) use movers::{Mover, Movers, Shares};
 pub use particles::WeightedParticles;
