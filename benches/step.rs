@@ -1,13 +1,16 @@
 //! Time of 4 ms of the built-in scenes with steps divided as necessary, in time and in links per second; and, for scenes
-//! where the implicit integrator takes over, the time with it (its throughput means nothing).
+//! where the implicit integrator takes over, the time with it (its throughput means nothing). Last, a step of 1/60 s of a cube
+//! so stiff that only the implicit integrator takes such steps.
 
 use std::path::Path;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use gelatin::physics::{Scheme, Simulation};
-use gelatin::scene::Scene;
+use gelatin::scene::body::CubeShape;
+use gelatin::scene::material::Spring;
 use gelatin::scene::presets::preset;
 use gelatin::scene::resolve::resolve;
+use gelatin::scene::{Material, Scene, Shape, Springs};
 
 /// Whole steps of 1 ms in a timing: the number that one step of the implicit integrator covers.
 const STEPS: usize = 4;
@@ -43,6 +46,27 @@ fn step(criterion: &mut Criterion) {
     }
 }
 
+/// A step of 1/60 s of a cube of 20³ particles with springs of 1e7 N, as it lies on the ground where it fell.
+fn stiff(criterion: &mut Criterion) {
+    let mut scene = (preset("cube-on-plane").expect("a preset").build)();
+    let spring = Spring { stiffness: 1e7, damping: 1e3 };
+    let springs = Springs { structural: spring, shear: spring, bending: spring, particle_mass: 0.008 };
+    let body = &mut scene.bodies[0];
+    (body.shape, body.material) = (Shape::Cube(CubeShape { cells: 19, size: 1.0 }), Material::Springs(springs));
+    (scene.settings.dt, scene.settings.sleeping) = (1.0 / 60.0, false);
+    let mut landed = simulate(&scene);
+    for _ in 0..60 {
+        landed.step();
+    }
+    assert_eq!(landed.plan().scheme, Scheme::Implicit, "nothing else would take such steps");
+    let mut group = criterion.benchmark_group("1_60_s");
+    group.sample_size(20);
+    group.bench_function("cube-20-of-1e7", |bencher| {
+        bencher.iter_batched(|| landed.clone(), |mut simulation| simulation.step(), BatchSize::LargeInput);
+    });
+    group.finish();
+}
+
 fn simulate(scene: &Scene) -> Simulation<f32> {
     let lattices: Vec<_> = scene
         .bodies
@@ -56,5 +80,5 @@ fn advance(mut simulation: Simulation<f32>) -> u64 {
     (0..STEPS).map(|_| simulation.step().counters.link_forces).sum()
 }
 
-criterion_group!(benches, step);
+criterion_group!(benches, step, stiff);
 criterion_main!(benches);

@@ -112,6 +112,31 @@ fn arrows_of_a_cube_at_rest_carry_its_weight() {
 }
 
 #[test]
+fn arrows_between_bodies_carry_the_weight_of_the_upper_one() {
+    let (mut scene, of_one) = cube(0.5);
+    let mut upper = scene.bodies[0].clone();
+    upper.pose.position[1] += 1.01;
+    scene.bodies.push(upper);
+    let lattice = &of_one.model().bodies[0].lattice;
+    let mut simulation = Simulation::new(&scene, &[Arc::clone(lattice), Arc::clone(lattice)]);
+    for _ in 0..4000 {
+        simulation.step();
+    }
+    let wanted = Overlays { contacts: true, ..Overlays::default() };
+    let overlay = OverlaySource::default().fill(&simulation, &scene.bodies, wanted);
+    let body = &simulation.model().bodies[0];
+    let weight = body.particle_mass * 27.0 * 9.81;
+    let between = segments(&overlay.lines[0]).iter().filter(|arrow| arrow.ends[0][1] > 0.5);
+    let (mut up, mut down) = (0.0, 0.0);
+    for way in between.map(|arrow| arrow.ends[1][1] - arrow.ends[0][1]) {
+        *if way > 0.0 { &mut up } else { &mut down } += way.abs();
+    }
+    let shown = (up + down) * newtons_per_metre(body, Vec3::NEG_Y * 9.81);
+    assert!((shown / weight - 1.0).abs() < 0.05, "{shown} N of {weight} N");
+    assert!(up > 0.0 && down > 0.0, "points of either are pushed by the other: {up} up, {down} down");
+}
+
+#[test]
 fn boxes_fit_their_bodies_and_are_strong_where_they_meet() {
     let wanted = Overlays { boxes: true, ..Overlays::default() };
     let widths = |height| {

@@ -6,6 +6,7 @@ mod files;
 mod input;
 mod live;
 mod panels;
+mod panels_bodies;
 mod panels_brush;
 mod panels_cost;
 mod panels_error;

@@ -2,6 +2,7 @@
 
 mod analytic;
 mod balls;
+mod between_bodies;
 mod bodies;
 mod bounds;
 mod cantilever;
