@@ -210,6 +210,7 @@ impl<R: Real> Simulation<R> {
             self.wake_all();
         }
         if self.model.has_moving_obstacle() {
+            self.obstacles.place(&self.model, &self.state, self.plan.substep_secs());
             sleep::wake_near_moving(&self.model, self.obstacles.all(), &mut self.state);
         }
         for approach in self.state.approaches.iter().filter(|approach| !approach.waits) {

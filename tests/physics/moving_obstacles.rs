@@ -5,7 +5,7 @@ use gelatin::physics::{Arrival, Simulation};
 use gelatin::report::judge::{Patience, judge_disturbed};
 use gelatin::scene::obstacle::{Cuboid, Cylinder, Motion, Oscillate, Plane, Sphere, Turn};
 use gelatin::scene::settings::Integrator;
-use gelatin::scene::{Obstacle, ObstacleShape, Scene};
+use gelatin::scene::{Material, Obstacle, ObstacleShape, Scene};
 use glam::DVec3;
 
 use crate::determinism::assert_the_same_however_found;
@@ -176,6 +176,26 @@ fn a_motion_goes_on_bit_for_bit_from_a_state_in_the_middle_and_however_it_is_fou
         }
         assert_eq!(first.hash(), second.hash(), "{integrator:?}: saved in the middle");
     }
+}
+
+/// What sleeps is woken by where obstacles are now, not by where they were when the simulation was made.
+#[test]
+fn what_sleeps_where_an_obstacle_has_been_sleeps_on_after_it_was_saved() {
+    let ball = ObstacleShape::Sphere(Sphere { center: [0.0, 1.3, 0.0], radius: 0.2 });
+    let mut scene = on_a_floor(swing([0.0, 1.0, 0.0], 20.0, 60.0));
+    scene.bodies[0].material = Material::Springs(springs(60.0, 1.0, 0.01));
+    let floor = Obstacle { motion: None, ..scene.obstacles[0].clone() };
+    scene.obstacles = vec![floor, moving(ball, swing([0.0, 1.0, 0.0], 20.0, 60.0))];
+    scene.settings.sleeping = true;
+    let mut straight = simulate::<f32>(&scene);
+    run(&mut straight, 9.0);
+    assert!(straight.state().bodies[0].asleep, "the ball has gone, and it sleeps");
+    let mut saved = simulate::<f32>(&scene);
+    saved.set_state(straight.state().clone());
+    for simulation in [&mut straight, &mut saved] {
+        run(simulation, 0.1);
+    }
+    assert!(saved.state() == straight.state() && saved.state().bodies[0].asleep, "it sleeps on");
 }
 
 #[test]

@@ -126,7 +126,7 @@ fn a_hand_gives_no_more_than_its_spring_holds() {
 }
 
 /// Stops a substep when it is asked for the n-th time.
-struct StopsAt(Cell<u32>);
+pub(crate) struct StopsAt(pub(crate) Cell<u32>);
 
 impl StageTimer for StopsAt {
     fn enter(&mut self, _: Stage) {}

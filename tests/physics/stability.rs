@@ -1,12 +1,15 @@
 //! The predicted limit against the measured one; automatic and manual stepping.
 
+use std::cell::Cell;
+
 use gelatin::math::rng::Rng;
-use gelatin::physics::{Stage, StageTimer};
+use gelatin::physics::{Stage, StageTimer, Strain};
 use gelatin::scene::material::Spring;
 use gelatin::scene::settings::{Integrator, Stepping};
-use gelatin::scene::{Scene, Springs};
+use gelatin::scene::{Body, Scene, Springs};
 use glam::DVec3;
 
+use crate::runge_kutta::StopsAt;
 use crate::support::{alone, ball, cube, falling, plane, simulate, springs};
 
 /// A body that has not blown up after this many steps counts as stable.
@@ -104,6 +107,41 @@ fn no_numbers_within_their_ranges_explode_a_jelly() {
         let extent = simulation.diagnostics().bounds.size().max_element();
         assert!(extent < 3.0 * size, "case {case}: a cube of {size} m reaches {extent} m: {constants:?}");
     }
+}
+
+#[test]
+fn a_substep_that_is_given_up_leaves_no_trace_in_bodies_that_are_strained_or_woken() {
+    let jelly = |position: [f64; 3], speed: f64| {
+        let body = cube(4, 1.0, springs(60.0, 1.0, 0.01), position);
+        Body { velocity: [0.0, -speed, 0.0], ..body }
+    };
+    let mut scene = falling(jelly([0.0, 0.5, 0.0], 0.0));
+    scene.bodies.push(jelly([3.0, 0.6, 0.0], 40.0));
+    scene.bodies.push(jelly([0.1, 60.0, 0.0], 9.0));
+    scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.5, 0.4]));
+    scene.settings.sleeping = true;
+    let [mut straight, mut stopped] = [(); 2].map(|()| simulate::<f32>(&scene));
+    let [mut given_up, mut strained, mut slept, mut woken] = [0; 4];
+    for number in 0_u32.. {
+        if straight.state().time_secs > 6.0 {
+            break;
+        }
+        let asleep = straight.state().bodies[0].asleep;
+        straight.substep(&mut ());
+        let before = stopped.state().clone();
+        if stopped.substep(&mut StopsAt(Cell::new(1 + number % 5))).stopped {
+            assert!(*stopped.state() == before, "substep {number} leaves no trace");
+            given_up += 1;
+            stopped.substep(&mut ());
+        }
+        assert!(stopped.state() == straight.state(), "substep {number} is the same");
+        let is_strained = straight.state().bodies.iter().any(|body| body.strain > Strain::Small);
+        strained += u32::from(is_strained);
+        slept += u32::from(asleep);
+        woken += u32::from(asleep && !straight.state().bodies[0].asleep);
+    }
+    let seen = [given_up, strained, slept, woken];
+    assert!(given_up > 1000 && strained > 100 && slept > 100 && woken > 0, "{seen:?}");
 }
 
 /// A timer that gives up every step.

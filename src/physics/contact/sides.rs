@@ -52,10 +52,12 @@ pub(in crate::physics) fn remember_sides<R: Real>(
             deepest = deepest.max(-contact.gap);
             continue;
         }
-        let work = contact.force.dot(contact.surface_velocity).to_f64() * dt.to_f64();
-        recorder.counters.add_obstacle_work(work, contact.surface_velocity.length().to_f64());
+        let met = obstacles.for_body(number, contact.obstacle);
+        let [force, surface_velocity] = [contact.force, contact.surface_velocity].map(Vector::to_dvec3);
+        let work = met.work(force, state.position[contact.particle].to_dvec3(), surface_velocity, dt.to_f64());
+        recorder.counters.add_obstacle_work(work, surface_velocity.length());
         let depth = -(contact.gap + (velocity[contact.particle] - contact.surface_velocity).dot(contact.normal) * dt);
-        let shape = &obstacles.for_body(number, contact.obstacle).shape;
+        let shape = &met.shape;
         let at = state.position[contact.particle];
         let Some(row) = shape.side_row() else {
             deepest = deepest.max(depth);

@@ -13,8 +13,9 @@ use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
 use crate::physics::report::{Counters, Recorder};
-use crate::physics::state::State;
-use crate::physics::state::sleep;
+use crate::physics::state::press::Press;
+use crate::physics::state::touch::SampleTouch;
+use crate::physics::state::{State, sleep};
 
 /// Obstacles that meet in a corner.
 const OBSTACLES_IN_CORNER: usize = 3;
@@ -153,8 +154,20 @@ impl<R: Real> ContactWorkspace<R> {
         self.equations.make_room(self.bodies.room() + self.samples.room());
     }
 
+    /// Presses no spring of a point further than it was when the substep began: the motion that presses it was not made.
+    pub(in crate::physics) fn press_no_further(&mut self, state: &State<R>) {
+        for press in &mut self.bodies.presses {
+            let known = state.presses.binary_search_by_key(&press.place(), Press::place);
+            press.depth_m = press.depth_m.min(known.map_or(0.0, |place| state.presses[place].depth_m));
+        }
+        for touch in &mut self.samples.touches {
+            let known = state.touches.binary_search_by_key(&touch.place(), SampleTouch::place);
+            touch.depth_m = touch.depth_m.min(known.map_or(0.0, |place| state.touches[place].depth_m));
+        }
+    }
+
     /// How many contacts push.
-    pub(super) fn pushing_count(&self) -> usize {
+    pub(in crate::physics) fn pushing_count(&self) -> usize {
         self.contacts.iter().filter(|contact| contact.force != R::Vec3::ZERO).count() + self.samples.pushing_count()
     }
 

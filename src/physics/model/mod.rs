@@ -111,7 +111,8 @@ impl<R: Real> Model<R> {
 
     /// The body that a particle (in the state's arrays) belongs to.
     pub fn body_of(&self, particle: usize) -> Option<usize> {
-        self.bodies.iter().position(|body| body.particles.contains(&particle))
+        let body = self.bodies.partition_point(|body| body.particles.end <= particle);
+        (body < self.bodies.len()).then_some(body)
     }
 
     /// Links in all bodies, by family.

@@ -48,6 +48,20 @@ impl<R: Real> ObstacleModel<R> {
     pub(in crate::physics) fn carried(&self, at: DVec3) -> DVec3 {
         self.carry.map_or(at, |carry| carry.apply(R::Vec3::from_dvec3(at)).to_dvec3())
     }
+
+    /// The work (J) of the obstacle's `force` (N) on a point at `at` (m) in a substep of `dt` (s), in which its surface goes the
+    /// way of `surface_velocity` (m/s).
+    ///
+    /// That way is a chord where the obstacle turns. What rides on it has the velocity of the chord before until the force turns
+    /// it, and the kinetic energy that an impulse gives goes with the mean of the velocities before and after: that of the surface
+    /// as the substep begins. What links do goes with the chord. The larger of both is counted.
+    pub(in crate::physics) fn work(&self, force: DVec3, at: DVec3, surface_velocity: DVec3, dt: f64) -> f64 {
+        let along_chord = force.dot(surface_velocity) * dt;
+        let Some(carry) = self.carry else { return along_chord };
+        let point = R::Vec3::from_dvec3(at);
+        let way = (carry.apply(point) - carry.place_before(point)).to_dvec3() * 0.5;
+        along_chord.max(force.dot(way))
+    }
 }
 
 /// A rigid motion from the beginning to the end of a substep: `x ↦ turn (x − from) + to`.
@@ -67,6 +81,13 @@ impl<R: Real> Carry<R> {
     pub(in crate::physics) fn apply(&self, point: R::Vec3) -> R::Vec3 {
         let [x, y, z] = (point - self.from).components();
         self.turn[0] * x + self.turn[1] * y + self.turn[2] * z + self.to
+    }
+
+    /// Where a point that rides along was as long before, if the obstacle moved alike.
+    fn place_before(&self, point: R::Vec3) -> R::Vec3 {
+        let way = point - self.to;
+        let [x, y, z] = self.turn.map(|column| column.dot(way));
+        self.from + R::Vec3::new(x, y, z)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Rest: a body that has come to rest sleeps, and costs nothing until something wakes it (R3).
+//! Rest: a body that has come to rest sleeps, and costs nothing until something wakes it.
 //!
 //! ```text
 //! still    for 0.5 s no particle was faster than 1e-3 body sizes a second
@@ -114,7 +114,7 @@ pub(in crate::physics) fn put_to_sleep<R: Real>(
     }
 }
 
-/// Wakes every body near an obstacle that moves by itself, and keeps it awake.
+/// Wakes every body near an obstacle that moves by itself, and keeps it awake. Obstacles are placed for the coming substep.
 pub(in crate::physics) fn wake_near_moving<R: Real>(
     model: &Model<R>,
     placed: &[ObstacleModel<R>],
@@ -125,7 +125,6 @@ pub(in crate::physics) fn wake_near_moving<R: Real>(
             continue;
         }
         let position = &state.position[body.particles.clone()];
-        // Obstacles are still where they were in the last substep.
         let is_near = |obstacle: &ObstacleModel<R>| {
             let around = obstacle.bounds.grown(obstacle.bounds.size().length() * R::from_f64(0.5));
             position.iter().any(|at| Aabb { min: *at, max: *at }.overlaps(&around))

@@ -39,6 +39,7 @@ pub(super) fn find_velocities<R: Real>(
     }
     if on_energy_gain == OnEnergyGain::Slow {
         slow(substep, velocity, force, contacts, &mut of_forces.exact, &stops);
+        contact.press_no_further(substep.state);
         if let Some(moving) = &mut scheme.mean_velocity {
             moving.copy_from_slice(velocity);
         }
@@ -131,6 +132,7 @@ fn finish_constraints<R: Real>(
         contact::bodies::finish_constraints(substep, velocity, bodies, equations, recorder);
         contact::bodies::count_parting_work(substep, velocity, bodies, recorder);
     }
+    recorder.last.contacts = contact.pushing_count();
 }
 
 /// Halves the velocities of each body until it gains no energy from nowhere; a body that does even then stands still.

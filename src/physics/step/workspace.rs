@@ -30,8 +30,10 @@ pub(in crate::physics) struct StepWorkspace<R: Real> {
     pub(in crate::physics) speeds: Speeds<R>,
     /// Workspace of modal bodies.
     pub(in crate::physics) modal: ModalWorkspace,
-    /// A copy of every body's memory before the substep, which may be given up.
+    /// A copy of every body's memory before the part, which may be refused.
     pub(super) memory_backup: Vec<BodyMemory>,
+    /// The same before the substep was divided, which may be given up.
+    memories_before: Vec<BodyMemory>,
     /// Whether the cells of each body are checked before the substep.
     pub(super) due_bodies: Vec<bool>,
 }
@@ -50,6 +52,7 @@ impl<R: Real> StepWorkspace<R> {
             speeds: Speeds::new(model),
             modal: ModalWorkspace::new(model, plan),
             memory_backup: memory_backup_room(model),
+            memories_before: memory_backup_room(model),
             due_bodies: Vec::with_capacity(model.bodies.len()),
         }
     }
@@ -64,6 +67,16 @@ impl<R: Real> StepWorkspace<R> {
         self.scheme.fit(before.1.scheme, model, plan);
         self.forces.fit(before.0, model, plan);
         self.modal = ModalWorkspace::new(model, plan);
+    }
+
+    /// Remembers what bodies remember as a substep begins.
+    pub(in crate::physics) fn remember_memories(&mut self, memories: &[BodyMemory]) {
+        self.memories_before.iter_mut().zip(memories).for_each(|(copy, memory)| copy.copy_from(memory));
+    }
+
+    /// Puts back what was remembered: the substep was given up.
+    pub(in crate::physics) fn restore_memories(&self, memories: &mut [BodyMemory]) {
+        memories.iter_mut().zip(&self.memories_before).for_each(|(memory, copy)| memory.copy_from(copy));
     }
 
     /// Fits the workspace to the number of threads of a plan.

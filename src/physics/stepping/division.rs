@@ -11,7 +11,7 @@ use crate::physics::limits::any_state::MAX_PARTS;
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{Model, Scheme};
 use crate::physics::report::Counters;
-use crate::physics::state::{State, Strain, WORK_SPENT};
+use crate::physics::state::{State, WORK_SPENT};
 use crate::physics::step::StepWorkspace;
 use crate::physics::step::substep::{OnEnergyGain, Part};
 
@@ -37,8 +37,6 @@ pub(super) struct Division {
     is_for_contact: bool,
     /// Whether the smallest part was refused, so that the explicit scheme takes it.
     is_explicit: bool,
-    /// Whether the whole substep was refused, as bodies would be torn apart in it.
-    tears: bool,
 }
 
 impl Division {
@@ -73,7 +71,6 @@ impl Division {
             points_are_near: need.points_are_near,
             is_for_contact: parts > 1 && need.plan.is_some(),
             is_explicit: false,
-            tears: false,
         }
     }
 
@@ -174,14 +171,6 @@ impl Division {
         let parts_by_displacement = strain::check_strain(model, plan, check, motion, &mut state.bodies, forces);
         let parts = self.strain_policy.strained_parts.max(parts_by_displacement.min(MAX_PARTS));
         (self.parts, self.left, self.secs) = (parts, parts, self.secs / f64::from(parts));
-        self.tears = true;
-    }
-
-    /// Forgets that bodies would be torn apart where no part of the substep was taken: it is found again.
-    pub(super) fn forget_tears<R: Real>(&self, state: &mut State<R>) {
-        if self.tears && self.left == self.parts {
-            state.bodies.iter_mut().filter(|memory| !memory.asleep).for_each(|memory| memory.strain = Strain::Small);
-        }
     }
 
     /// Halves a part that was refused, or leaves it to the explicit scheme.

@@ -65,7 +65,7 @@ pub(super) fn advance<R: Real>(
 ) -> StepReport {
     let mut recorder = Recorder::new(timer);
     workspace.contact.bodies.pushed_pairs.clear();
-    workspace.contact.bodies.store_self_proximity(state);
+    workspace.remember_memories(&state.bodies);
     if plan.on_mesh.is_some() || plan.at_obstacles.is_some() {
         obstacles.place(model, state, plan.substep_secs());
     }
@@ -75,6 +75,7 @@ pub(super) fn advance<R: Real>(
     while let Some(part) = division.next(plan, state, &mut recorder.counters) {
         obstacles.place(model, state, part.secs);
         let work_before = recorder.counters.implicit_work();
+        let pairs_before = workspace.contact.bodies.pushed_pairs.len();
         workspace.modal.discard_substep();
         let inputs = Inputs {
             obstacles,
@@ -83,12 +84,12 @@ pub(super) fn advance<R: Real>(
         };
         ending = substep(model, plan, part, inputs, state, workspace, &mut recorder);
         if ending == Ending::Stopped {
-            workspace.contact.bodies.restore_self_proximity(state);
-            division.forget_tears(state);
+            workspace.restore_memories(&mut state.bodies);
             break;
         }
         state.work = state.work.saturating_add(recorder.counters.implicit_work() - work_before);
         if ending == Ending::Refused {
+            workspace.contact.bodies.pushed_pairs.truncate(pairs_before);
             match part.scheme {
                 Scheme::Implicit => division.divide_refused(plan, state, &mut recorder.counters),
                 _ => division.divide_torn(model, plan, state, workspace),

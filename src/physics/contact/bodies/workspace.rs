@@ -24,8 +24,6 @@ const PARTICLE_CONTACT_PARTICLES: usize = 9;
 /// The workspace of contact between bodies; empty where there is no such contact, and for one body until it comes near itself.
 #[derive(Clone, Debug, Default)]
 pub(in crate::physics) struct BodiesWorkspace<R: Real> {
-    /// Whether each body was near itself before the present substep, and how far its particles might move until the next look.
-    stored_proximity: Vec<(bool, f64)>,
     pub(super) motions: Vec<Motion<R>>,
     /// Where every particle would be at the end of the substep, m.
     pub(super) predicted_positions: Vec<DVec3>,
@@ -53,7 +51,7 @@ pub(in crate::physics) struct BodiesWorkspace<R: Real> {
 impl<R: Real> BodiesWorkspace<R> {
     /// Room for a model.
     pub(in crate::physics) fn new(model: &Model<R>, plan: &Plan) -> Self {
-        let mut room = Self { stored_proximity: Vec::with_capacity(model.bodies.len()), ..Self::default() };
+        let mut room = Self::default();
         if plan.between_bodies.is_some() && model.bodies.len() > 1 {
             room.make_room(model);
         }
@@ -70,7 +68,6 @@ impl<R: Real> BodiesWorkspace<R> {
         let surfaces = || model.bodies.iter().map(|body| body.lattice.surface);
         let all: usize = surfaces().sum();
         *self = Self {
-            stored_proximity: std::mem::take(&mut self.stored_proximity),
             motions: Vec::with_capacity(bodies),
             predicted_positions: vec![DVec3::ZERO; count],
             modal_positions: vec![
@@ -88,19 +85,6 @@ impl<R: Real> BodiesWorkspace<R> {
             contacts: Vec::with_capacity(all),
             presses: Vec::with_capacity(all),
         };
-    }
-
-    /// Remembers which bodies are near themselves, before the next looks.
-    pub(in crate::physics) fn store_self_proximity(&mut self, state: &State<R>) {
-        self.stored_proximity.clear();
-        self.stored_proximity.extend(state.bodies.iter().map(|memory| (memory.near_itself, memory.apart)));
-    }
-
-    /// Puts back what was remembered, as if there had been no looks.
-    pub(in crate::physics) fn restore_self_proximity(&self, state: &mut State<R>) {
-        for (memory, stored_proximity) in state.bodies.iter_mut().zip(&self.stored_proximity) {
-            (memory.near_itself, memory.apart) = *stored_proximity;
-        }
     }
 
     /// How many contacts there is room for.

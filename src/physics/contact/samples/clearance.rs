@@ -25,7 +25,7 @@ pub(super) struct Clearances<R: Real> {
     positions: Vec<R::Vec3>,
     /// Bounding boxes of the obstacles, m.
     obstacles: Vec<Aabb<f64>>,
-    /// How far particles and obstacles may move until a point of the cell may meet an obstacle, m, by cell; negative where it may
+    /// How far particles and obstacles together may move until a point of the cell may meet an obstacle, m, by cell; negative where it may
     /// already.
     of_cells: Vec<f64>,
 }
@@ -42,8 +42,8 @@ impl<R: Real> Clearances<R> {
         }
     }
 
-    /// Returns how far particles and obstacles will have moved at the end of the substep since clearances were measured, m;
-    /// measures them again where that was too long ago. `position` (m) and `velocity` (m/s) are those of the body's particles.
+    /// Returns how far particles and obstacles together will have moved at the end of the substep since clearances were measured,
+    /// m; measures them again where that was too long ago. `position` (m) and `velocity` (m/s) are those of the body's particles.
     pub(super) fn update(
         &mut self,
         substep: Substep<'_, R>,
@@ -59,7 +59,8 @@ impl<R: Real> Clearances<R> {
         let mut displacement = f64::INFINITY;
         if self.positions.len() == position.len() {
             let of_particles = largest(displacement_bounds::<R>(plan.simd, &self.positions, position));
-            displacement = self.obstacle_displacement(obstacles.clone()).max(of_particles);
+            // They may have moved towards each other.
+            displacement = self.obstacle_displacement(obstacles.clone()) + of_particles;
         }
         if displacement > MAX_DISPLACEMENT * body.lattice.grid.cell_size {
             self.measure(samples, position, obstacles);
@@ -68,7 +69,7 @@ impl<R: Real> Clearances<R> {
         displacement + largest(bounds::<R>(plan.simd, velocity)) * dt.to_f64()
     }
 
-    /// Whether the points of a cell meet no obstacle, particles and obstacles having moved that far, m.
+    /// Whether the points of a cell meet no obstacle, particles and obstacles together having moved that far, m.
     pub(super) fn are_clear(&self, cell: usize, displacement: f64) -> bool {
         self.of_cells[cell] > displacement
     }
@@ -181,6 +182,25 @@ mod tests {
             (near, clear) = (near + is_near, clear + is_clear);
         }
         assert!(near > 300 && clear > 10 * near, "{near} near, {clear} clear");
+    }
+
+    #[test]
+    fn an_obstacle_that_comes_as_fast_as_the_body_is_met_in_time() {
+        let (mut scene, mut simulation) = spot();
+        let mut state = simulation.state().clone();
+        let mut clearances = Clearances::new(simulation.model(), 0);
+        let lattices = [simulation.model().bodies[0].lattice.clone()];
+        let mut near = 0;
+        for round in 0..120 {
+            state.position.iter_mut().for_each(|position| *position -= Vec3::Y * 3e-3);
+            let ObstacleShape::Plane(ground) = &mut scene.obstacles[0].shape else { panic!("a plane") };
+            ground.center[1] += 3e-3;
+            simulation.set_parameters(&scene, &lattices, &[Some(0)], Arrival::Placed);
+            let [is_near, _, both] = counts(&simulation, &state, &mut clearances);
+            assert_eq!(both, 0, "round {round}");
+            near += is_near;
+        }
+        assert!(near > 300, "{near} near");
     }
 
     #[test]

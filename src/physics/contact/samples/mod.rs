@@ -1,4 +1,4 @@
-//! Contact of points that eight particles carry with obstacles. On the original mesh of a model (C8) points of the mesh meet
+//! Contact of points that eight particles carry with obstacles. On the original mesh of a model points of the mesh meet
 //! obstacles in place of the body's particles, so that it stands on its feet and not on its cells.
 //!
 //! ```text
@@ -189,7 +189,7 @@ fn constrain<R: Real>(
         let leaving_speeds = workspace
             .movers
             .weighted_movers(shares)
-            .map(|(mover, weight)| (mover.predicted_velocity - surface_velocity - drift).dot(normal) * weight.signum());
+            .map(|(mover, weight)| (mover.predicted_velocity - drift).dot(normal) * weight.signum());
         let spring = SpringBefore { depth, pressed, leaving_speed: leaving_speeds.fold(0.0, f64::max) };
         let at = ContactPlane { normal, surface_velocity };
         let law = law(substep, number, obstacle);
@@ -261,7 +261,8 @@ fn record<R: Real>(substep: Substep<'_, R>, workspace: &mut SamplesWorkspace<R>,
         let &FoundContact { body: number, sample, obstacle, own, normal, gap, surface_velocity } = found;
         let force = constraint.impulse() / dt;
         counters.frictions += u64::from(force != DVec3::ZERO && has_friction(obstacle));
-        counters.add_obstacle_work(force.dot(surface_velocity) * dt, surface_velocity.length());
+        let met = substep.obstacles.for_body(number, obstacle);
+        counters.add_obstacle_work(met.work(force, own.place(state), surface_velocity, dt), surface_velocity.length());
         let part = |push| PartedPoint { own, surface_velocity, push };
         parted.extend(constraint.parting(movers, dt).map(part));
         contacts.push(SampleContact {
@@ -278,7 +279,7 @@ fn record<R: Real>(substep: Substep<'_, R>, workspace: &mut SamplesWorkspace<R>,
         let depth = -(gap + dt * constraint.relative_velocity(movers).dot(normal));
         let largest_coordinates = own.iter().map(|(carrier, _)| state.position[carrier]);
         let largest_coordinates = largest_coordinates.fold(R::Vec3::ZERO, |largest, at| largest.max(at).max(-at));
-        let shape = &substep.obstacles.for_body(number, obstacle).shape;
+        let shape = &met.shape;
         let is_on_edge = sample >= FIRST_EDGE_POINT;
         let at = R::Vec3::from_dvec3(own.place(state));
         let side = if is_on_edge { 0 } else { contact_side(shape, at, R::Vec3::from_dvec3(normal)) };

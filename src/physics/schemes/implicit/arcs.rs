@@ -31,10 +31,11 @@ pub(in crate::physics) fn write<R: Real>(
     moving: &mut [R::Vec3],
 ) {
     for (body, memory) in model.bodies.iter().zip(&state.bodies) {
+        let own = body.particles.clone();
         if memory.asleep {
+            moving[own].fill(R::Vec3::ZERO);
             continue;
         }
-        let own = body.particles.clone();
         moving[own.clone()].copy_from_slice(&velocity[own.clone()]);
         // What is pinned does not turn as a whole.
         if body.pinned != Values::Uniform(false) {

@@ -213,9 +213,13 @@ impl<R: Real> System<'_, R> {
             let is_held = self.grab.is_some_and(|grab| grab.body == *number);
             !is_held && self.model.bodies[*number].pinned == Values::Uniform(false)
         };
-        let meets_obstacle = |contact: &WeightedConstraint| matches!(contact.touching, Touching::MeshAtObstacle(_));
-        let meets_obstacle = !self.at_obstacles.is_empty() || self.points.iter().any(meets_obstacle);
-        if meets_obstacle || !self.bodies.iter().all(is_free) {
+        // A body that is not among them sleeps, and gives way as little as an obstacle.
+        let meets_other = |contact: &WeightedConstraint| match contact.touching {
+            Touching::MeshAtObstacle(_) => true,
+            Touching::Bodies(bodies) => bodies.iter().any(|body| !self.bodies.contains(body)),
+        };
+        let meets_other = !self.at_obstacles.is_empty() || self.points.iter().any(meets_other);
+        if meets_other || !self.bodies.iter().all(is_free) {
             return;
         }
         let ImplicitWorkspace { right_hand_side, velocity, .. } = &mut *self.workspace;

@@ -52,7 +52,8 @@ impl<R: Real> System<'_, R> {
             let at_obstacles = at_obstacles.map(|one| (one.particle - own.start, *one.constraint.matrix()));
             // The weights of a body in a contact sum to one, so that the whole of it is resisted by as much as the contact
             // resists.
-            let points = self.points.iter().filter(|contact| contact.constraint.is_in_equations());
+            let points = self.points.iter().filter(|contact| contact.touching.bodies().contains(number));
+            let points = points.filter(|contact| contact.constraint.is_in_equations());
             let points = points.flat_map(|contact| {
                 let matrix = *contact.constraint.matrix();
                 contact.own(weights).iter().map(move |&(particle, weight)| (particle as usize, matrix * weight.abs()))
