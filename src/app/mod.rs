@@ -32,6 +32,7 @@ mod processor_meter;
 mod recent;
 mod sentence;
 mod shell;
+mod urgent_orders;
 mod wake;
 
 use thiserror::Error;

@@ -8,7 +8,7 @@ mod publish;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
@@ -17,6 +17,7 @@ use publish::{Answers, Publisher, Slot, TimeFlow};
 pub use publish::{Observed, Snapshot, WorkerError};
 
 use super::sentence::sentence;
+use super::urgent_orders::UrgentOrders;
 use crate::math::FRAME;
 use crate::session::document::Opened;
 use crate::session::progress::Progress;
@@ -74,7 +75,7 @@ impl Sandbox for Session {
 #[derive(Debug)]
 pub struct Worker {
     orders: Sender<Order>,
-    stop: Arc<AtomicBool>,
+    urgent: Arc<UrgentOrders>,
     hold: Arc<StepGate>,
     slot: Arc<Slot>,
     opening: Arc<PendingWork>,
@@ -94,6 +95,14 @@ enum Order {
 }
 
 impl Order {
+    /// Whether a person waits for it, so that a long substep is given up.
+    fn is_urgent(&self) -> bool {
+        match self {
+            Self::Do(command) | Self::Open(command, _) => command.waits_for_no_substep(),
+            Self::Visible(_) | Self::Drawing { .. } => false,
+        }
+    }
+
     /// Whether it makes the order just before it superfluous.
     fn supersedes(&self, before: &Self) -> bool {
         match (self, before) {
@@ -119,10 +128,10 @@ impl Worker {
         wake: impl Fn() + Send + 'static,
     ) -> Self {
         let (orders, received) = channel();
-        let (slot, stop, hold) =
-            (Arc::new(Slot::default()), Arc::new(AtomicBool::new(false)), Arc::new(StepGate::default()));
+        let (slot, urgent, hold) =
+            (Arc::new(Slot::default()), Arc::new(UrgentOrders::default()), Arc::new(StepGate::default()));
         let [opening, making] = [(); 2].map(|()| Arc::new(PendingWork::default()));
-        let (published, stopped, held) = (Arc::clone(&slot), Arc::clone(&stop), Arc::clone(&hold));
+        let (published, waiting, held) = (Arc::clone(&slot), Arc::clone(&urgent), Arc::clone(&hold));
         let (opens, makes, first) = (Arc::clone(&opening), Arc::clone(&making), opening.begin());
         std::thread::spawn(move || {
             within_pool(move || {
@@ -132,11 +141,11 @@ impl Worker {
                     opens.end(&first);
                     match made {
                         Ok(mut sandbox) => {
-                            sandbox.begin(&stopped, &held);
+                            sandbox.begin(waiting.flag(), &held);
                             let (orders, publisher) = (&received, &mut publisher);
-                            let (stop, hold, opening, making) = (&stopped, &held, &*opens, &*makes);
+                            let (urgent, hold, opening, making) = (&*waiting, &held, &*opens, &*makes);
                             let (answers, last_advance) = (Answers::default(), Instant::now());
-                            Loop { sandbox, orders, publisher, stop, hold, opening, making, answers, last_advance }
+                            Loop { sandbox, orders, publisher, urgent, hold, opening, making, answers, last_advance }
                                 .run();
                         }
                         Err(error) => publisher.publish_error(WorkerError::NotStarted(error)),
@@ -147,7 +156,7 @@ impl Worker {
                 }
             });
         });
-        Self { orders, stop, hold, slot, opening, making }
+        Self { orders, urgent, hold, slot, opening, making }
     }
 
     /// Sends a command. A worker that has ended ignores it.
@@ -214,14 +223,11 @@ impl Worker {
     }
 
     fn send_order(&self, order: Order) {
-        let urgent = match &order {
-            Order::Do(command) | Order::Open(command, _) => command.waits_for_no_substep(),
-            Order::Visible(_) | Order::Drawing { .. } => false,
-        };
+        if order.is_urgent() {
+            self.urgent.announce();
+        }
         if self.orders.send(order).is_err() {
             log::debug!("the worker has ended: an order is dropped");
-        } else if urgent {
-            self.stop.store(true, Ordering::Relaxed);
         }
     }
 }
@@ -230,7 +236,7 @@ impl Drop for Worker {
     fn drop(&mut self) {
         self.opening.cancel();
         self.making.cancel();
-        self.stop.store(true, Ordering::Relaxed);
+        self.urgent.announce();
     }
 }
 
@@ -239,7 +245,7 @@ struct Loop<'a, S, W> {
     sandbox: S,
     orders: &'a Receiver<Order>,
     publisher: &'a mut Publisher<W>,
-    stop: &'a Arc<AtomicBool>,
+    urgent: &'a UrgentOrders,
     hold: &'a Arc<StepGate>,
     opening: &'a PendingWork,
     making: &'a PendingWork,
@@ -282,8 +288,6 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
         } else {
             self.orders.recv().map_err(|_gone| WindowGone)?
         };
-        // Cleared before the orders are taken: a later order sets it again, and so stops the work begun after it is cleared.
-        self.stop.store(false, Ordering::Relaxed);
         let mut orders = vec![first];
         let gone = loop {
             match self.orders.try_recv() {
@@ -292,6 +296,7 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
                 Err(TryRecvError::Disconnected) => break true,
             }
         };
+        self.urgent.take(orders.iter().filter(|order| order.is_urgent()).count());
         // If a slider is dragged faster than the sandbox follows, only its last value counts.
         let mut orders = orders.into_iter().peekable();
         while let Some(order) = orders.next() {
@@ -337,7 +342,7 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
                 self.answers.failure = outcome.err().map(|error| sentence(&error));
                 if self.answers.failure.is_none() {
                     self.answers.generation += 1;
-                    self.sandbox.begin(self.stop, self.hold);
+                    self.sandbox.begin(self.urgent.flag(), self.hold);
                 }
                 self.opening.end(&progress);
             }

@@ -14,6 +14,7 @@ use super::scene_args::SceneArgs;
 use crate::modal::{COUNTS, Mode};
 use crate::render::{Gpu, Quality, offscreen};
 use crate::scene::edit::BodyId;
+use crate::scene::named;
 use crate::session::modes::{BodyModes, Swing};
 use crate::session::{Command, Session};
 use crate::view::legend::three_digits;
@@ -74,13 +75,13 @@ pub(super) fn run(args: &ModesArgs) -> Result<(), Failure> {
             "modes": modes,
             "residual": found.residual,
             "memory_bytes": found.bytes,
-            "files": files,
+            "files": files.iter().map(|path| path.to_string_lossy()).collect::<Vec<_>>(),
         }))?;
         return Ok(());
     }
     out::figures(&format!(
         "{}: {} modes about rest, and {} motions without a frequency",
-        session.scene().bodies[body].name,
+        named(&session.scene().bodies[body].name, "body", body),
         found.modes.len(),
         found.rigid
     ))?;

@@ -105,7 +105,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
         let state = session.simulation().state();
         out::json(&json!({
             "scene": session.title(),
-            "files": outputs,
+            "files": outputs.iter().map(|path| path.to_string_lossy()).collect::<Vec<_>>(),
             "size": args.size,
             "color": session.scene().view.color.name(),
             "time_secs": state.time_secs,

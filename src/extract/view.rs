@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::scene::param::{self, Kind};
 use crate::scene::view_settings::{CameraSettings, ColorBy, LightSettings};
 use crate::view::{DrawList, Legend, Light, Orbit, SafeArea};
 
@@ -38,14 +39,20 @@ pub fn first_orbit(camera: &CameraSettings, picture: &DrawList, area: SafeArea) 
     orbit
 }
 
-/// The settings of an orbit, as saved with a scene.
+/// The settings of an orbit, as saved with a scene. They are within their ranges, which an orbit may leave by rounding or far out.
 pub fn camera_settings(orbit: &Orbit) -> CameraSettings {
+    let orbit = orbit.clamped();
+    let within = |path: &str, value: f64| match param::find(path).map(|param| param.kind) {
+        Some(Kind::Number { min, max }) => value.clamp(min, max),
+        _ => value,
+    };
+    let degrees = |path: &str, rad: f32| within(path, f64::from(rad).to_degrees());
     CameraSettings {
-        target: orbit.target.as_dvec3().to_array(),
-        yaw_deg: f64::from(orbit.yaw_rad).to_degrees(),
-        pitch_deg: f64::from(orbit.pitch_rad).to_degrees(),
-        distance: f64::from(orbit.distance),
-        fov_deg: f64::from(orbit.fov_rad).to_degrees(),
+        target: orbit.target.as_dvec3().to_array().map(|at| within("view.camera.target", at)),
+        yaw_deg: degrees("view.camera.yaw_deg", orbit.yaw_rad),
+        pitch_deg: degrees("view.camera.pitch_deg", orbit.pitch_rad),
+        distance: within("view.camera.distance", f64::from(orbit.distance)),
+        fov_deg: degrees("view.camera.fov_deg", orbit.fov_rad),
     }
 }
 
@@ -66,6 +73,7 @@ mod tests {
 
     use super::*;
     use crate::math::Aabb;
+    use crate::scene::Scene;
     use crate::view::Solid;
 
     /// A body of a size, m, at a height above a floor of twenty metres.
@@ -99,6 +107,27 @@ mod tests {
         let back = camera_settings(&orbit(&settings));
         assert!((back.yaw_deg - 210.0).abs() < 1e-4 && (back.pitch_deg + 12.5).abs() < 1e-5, "{back:?}");
         assert!((back.distance - 3.25).abs() < 1e-6 && (back.target[1] - 0.6).abs() < 1e-7, "{back:?}");
+    }
+
+    #[test]
+    fn the_camera_of_any_orbit_can_be_saved_and_read_again() {
+        let far = [f32::MIN, -3e4, 0.0, 3e4, f32::MAX, f32::NAN];
+        for at in far {
+            let orbits = [
+                Orbit { target: Vec3::splat(at), ..Orbit::default() },
+                Orbit { yaw_rad: at, ..Orbit::default() },
+                Orbit { yaw_rad: -1e-9, pitch_rad: at, ..Orbit::default() },
+                Orbit { distance: at, ..Orbit::default() },
+                Orbit { fov_rad: at, ..Orbit::default() },
+            ];
+            for orbit in orbits {
+                let mut scene = Scene::default();
+                scene.view.camera = camera_settings(&orbit);
+                let text = scene.to_ron().expect("text");
+                let read = Scene::from_ron(&text, "far.ron");
+                assert!(read.is_ok(), "{orbit:?}: {}", read.expect_err("refused"));
+            }
+        }
     }
 
     #[test]

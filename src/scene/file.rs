@@ -189,10 +189,15 @@ impl Scene {
         }
     }
 
-    /// Writes a scene file: all of it, or the file that was there stays as it was.
+    /// Writes a scene file: all of it, or the file that was there stays as it was. What could not be read again is not written.
     pub fn save(&self, path: &Path) -> Result<(), SceneFileError> {
-        let text = self.to_ron()?;
         let name = echo_path(path);
+        let mut problems = param::validate(self);
+        problems.extend(embedded_check::problems(&self.models));
+        if !problems.is_empty() {
+            return Err(SceneFileError::Values { name, problems });
+        }
+        let text = self.to_ron()?;
         if text.len() as u64 > MAX_BYTES {
             return Err(SceneFileError::TooLargeToRead { name, mib: text.len().div_ceil(1 << 20) });
         }

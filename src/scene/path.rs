@@ -240,6 +240,7 @@ mod tests {
             let model = param.path.replace("bodies.*.shape.model", "bodies.2.shape.model");
             let model = model.replace("bodies.*.inlays", "bodies.2.inlays").replace("bodies.*.parts", "bodies.2.parts");
             let model = model.replace("bodies.*.pinned_cells", "bodies.2.pinned_cells");
+            let model = model.replace("bodies.*.pins", "bodies.2.pins");
             let path = model.replace("obstacles.*.sphere", "obstacles.1.sphere");
             let path = path.replace("obstacles.*.mesh", "obstacles.5.mesh").replace('*', "0");
             let done = changed(&path, &default.to_string());

@@ -173,6 +173,26 @@ mod tests {
     }
 
     #[test]
+    #[cfg(unix)]
+    fn models_of_one_stem_keep_apart_and_no_name_is_refused() {
+        let (outer, mut scene) = scattered();
+        let at = |path: &str| outer.path().join(path);
+        fs::write(at("two/flat.obj"), format!("mtllib bin/a.mtl\n{TENT}")).expect("a file");
+        fs::write(at("two/bin/a.mtl"), "newmtl red\nKd 1 0 0\n").expect("a file");
+        fs::write(at("two/scan 10:30.obj"), TENT).expect("a file");
+        scene.bodies = ["../two/flat.gltf", "../two/flat.obj", "../two/scan 10:30.obj"].map(body).to_vec();
+        scene.obstacles.clear();
+        let file = at("held.ron");
+        let found = collect_into_file(&scene, &at("scenes"), &file).expect("a sound scene");
+        let names = ["flat/flat.gltf", "flat/bin/a.bin", "flat-2/flat.obj", "flat-2/bin/a.mtl", "scan 10_30.obj"];
+        assert_eq!(found.models, names.map(|name| PathBuf::from(format!("embedded:{name}"))));
+        let read = Scene::load(&file).expect("it can be read again");
+        for body in &read.bodies {
+            resolve(&body.shape, read.model_places(Path::new("/nowhere")), &()).expect("it has its model");
+        }
+    }
+
+    #[test]
     fn what_a_model_spells_in_another_case_is_collected_and_found_again() {
         let (outer, mut scene) = scattered();
         let at = |path: &str| outer.path().join(path);

@@ -18,7 +18,7 @@ use crate::scene::cell_brush::{middle_shift, own_cells};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
 use crate::scene::param::Problem;
 use crate::scene::resolve::{Jelly, load_meshes};
-use crate::scene::{Body, MovesBy, Pose, Scene, Shape};
+use crate::scene::{Body, MovesBy, Pose, Scene, Shape, named};
 
 /// The progress of a change once its bodies are made, and once they are compiled for simulation.
 const BODIES_MADE_PROGRESS: f64 = 0.4;
@@ -41,7 +41,7 @@ impl Session {
     pub(super) fn teleport(&mut self, id: BodyId, place: [f64; 3]) -> Result<(), SessionError> {
         let count = self.scene.bodies.len();
         let mut body = self.scene.bodies.get(id.0).cloned().ok_or(EditError::NoSuchBody { id, count })?;
-        let words = format!("teleport {}", body.name);
+        let words = format!("teleport {}", named(&body.name, "body", id.0));
         body.pose.position = place;
         let change = self.make_change(Edit::Body(id, Box::new(body)), words, true, Arrival::Placed)?;
         self.history.record(change);
@@ -71,7 +71,7 @@ impl Session {
     pub(super) fn cancel_edit(&mut self) -> Result<(), SessionError> {
         if self.history.is_open() {
             self.undo()?;
-            self.history.pop_undone();
+            self.history.forget_cancelled();
         }
         Ok(())
     }
@@ -173,7 +173,12 @@ impl Session {
         let edited_body = if let Edit::Body(id, _) = &edit { Some(id.0) } else { None };
         let mut scene = Scene::clone(&self.scene);
         let applied = scene.apply(edit).map_err(|error| self.error_in_words(error))?;
-        load_meshes(&mut scene, self.shape_cache.base_dir(), &())?;
+        let progress = self.progress.clone();
+        let watch: &dyn Watch = progress.as_ref().map_or(&(), |progress| &**progress);
+        load_meshes(&mut scene, self.shape_cache.base_dir(), watch).map_err(|error| match error {
+            _ if watch.cancelled() => SessionError::ChangeStopped,
+            error => error.into(),
+        })?;
         let scene = Arc::new(scene);
         match applied.impact {
             Impact::Topology => self.rebuild(&scene, &old_body_indices)?,

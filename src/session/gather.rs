@@ -109,7 +109,7 @@ impl Gathered {
 pub(super) fn gather(scene: &mut Scene, base_dir: &Path, prefix: &str) -> Result<Vec<Gathered>, CollectError> {
     let held = std::mem::take(&mut scene.models);
     let mut taken: Vec<(PathBuf, String)> = Vec::new();
-    let mut all = Vec::new();
+    let mut all: Vec<Gathered> = Vec::new();
     for (whose, path) in model_paths::models(scene) {
         let (known, files) = match path.strip_prefix(PREFIX) {
             Some(place) => (PathBuf::from(&*path), held_files(&held, place, &whose)?),
@@ -120,16 +120,21 @@ pub(super) fn gather(scene: &mut Scene, base_dir: &Path, prefix: &str) -> Result
             *path = format!("{prefix}{place}");
             continue;
         }
-        let name = files.first().map(|(name, _)| name.clone()).unwrap_or_default();
+        // Only the model itself may get another name; the files beside it keep theirs.
+        let name = files.first().map(|(name, _)| name.replace([':', '\\'], "_")).unwrap_or_default();
         let own = |name: &str| {
             if files.len() > 1 { format!("{}/{name}", stem(name)) } else { name.to_owned() }
         };
         let in_other = |number: u32| format!("{}-{number}/{name}", stem(&name));
         let numbered = (2..).map(|number| if files.len() > 1 { in_other(number) } else { with_number(&name, number) });
-        let is_free = |place: &String| taken.iter().all(|(_, other)| !other.eq_ignore_ascii_case(place));
+        // A model with files beside it has a folder to itself.
+        let own_part = |place: &str| place.split_once('/').map_or(place.to_owned(), |(folder, _)| folder.to_owned());
+        let is_free = |place: &String| {
+            let part = own_part(place);
+            all.iter().all(|other| !own_part(&other.place).eq_ignore_ascii_case(&part))
+        };
         let place = std::iter::once(own(&name)).chain(numbered).find(is_free).unwrap_or_default();
         let folder = place.rsplit_once('/').map_or("", |(folder, _)| folder);
-        // Only the model itself may get another name; the files beside it keep theirs.
         let in_folder = |(number, (name, from)): (usize, (String, Source))| {
             let place = if number == 0 { place.clone() } else { format!("{folder}/{name}") };
             Gathered { place, from }

@@ -72,6 +72,15 @@ fn a_drag_that_is_cancelled_was_never_made() {
     session.handle(Command::CancelEdit).expect("it goes back");
     assert_eq!(session.scene(), &before, "as if never dragged");
     assert_eq!((session.status().undo.as_str(), session.status().redo.as_str()), ("shear stiffness of Jelly", ""));
+    session.handle(Command::Undo).expect("it goes back");
+    let redo = session.status().redo;
+    for _ in 0..2 {
+        drag_obstacle(&mut session, 1, |ball| ball.hidden = !ball.hidden);
+        session.handle(Command::CancelEdit).expect("it goes back");
+        assert_eq!(session.status().redo, redo, "what was taken back can still be made again");
+    }
+    session.handle(Command::Redo).expect("it is made again");
+    assert_eq!(session.scene(), &before, "to the last value");
     session.handle(Command::CancelEdit).expect("nothing goes on");
     assert_eq!(session.scene(), &before, "what a person had let go before stays");
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::physics::BodyModel;
 use crate::physics::Simulation;
-use crate::scene::{Body, Scene};
+use crate::scene::{Body, Scene, named};
 use crate::text::counted;
 
 /// What a state says of the scene that it was saved from.
@@ -46,11 +46,16 @@ impl Origin {
         if saved != present {
             return Some(format!("it has {}, this scene has {present}", counted(saved, "body", "bodies")));
         }
-        let pairs = self.bodies.iter().zip(&here.bodies);
-        if let Some((saved, present)) = { pairs }.find(|(saved, present)| saved.particles != present.particles) {
+        let pairs = self.bodies.iter().zip(&here.bodies).enumerate();
+        if let Some((place, (saved, present))) = { pairs }.find(|(_, (saved, here))| saved.particles != here.particles)
+        {
+            let name = |body: &OriginBody| named(&body.name, "body", place);
             return Some(format!(
-                "its body {} has {} particles, {} in this scene has {}",
-                saved.name, saved.particles, present.name, present.particles
+                "its {} has {} particles, {} in this scene has {}",
+                name(saved),
+                saved.particles,
+                name(present),
+                present.particles
             ));
         }
         (self.planes != here.planes)

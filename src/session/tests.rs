@@ -8,9 +8,10 @@ use crate::extract;
 use crate::math::FRAME;
 use crate::physics::{BodyMemory, LinkLoad, RecoveryAccount, Strain};
 use crate::scene::body::CubeShape;
-use crate::scene::edit::{BodyId, Edit};
+use crate::scene::edit::{BodyId, Edit, ObstacleId};
+use crate::scene::obstacle::Mesh;
 use crate::scene::presets::preset;
-use crate::scene::{Body, Material, Shape};
+use crate::scene::{Body, Material, Obstacle, ObstacleShape, Shape};
 use crate::view::SafeArea;
 use crate::view::style::Tint;
 
@@ -89,6 +90,12 @@ fn a_change_that_nobody_waits_for_any_more_leaves_everything_as_it_was() {
     assert!(seen(&session) == made && !session.status().undo.is_empty(), "it can still be taken back");
     session.handle(Command::Undo).expect("one step back");
     assert!(seen(&session) == before, "with its motion");
+    let mesh = ObstacleShape::Mesh(Mesh { path: "builtin:spot.obj".to_owned(), ..Mesh::default() });
+    let place = ObstacleId(session.scene().obstacles.len());
+    let cow = Obstacle { shape: mesh, ..Obstacle::default() };
+    let stopped = session.handle_awaited(Command::Edit(Edit::InsertObstacle(place, Box::new(cow))), &left);
+    assert!(matches!(stopped, Err(SessionError::ChangeStopped)), "nor does the model of an obstacle come: {stopped:?}");
+    assert!(seen(&session) == before, "everything is as it was");
 }
 
 #[test]
@@ -373,7 +380,6 @@ fn strained(session: &mut Session) -> (f64, usize) {
 
 #[test]
 fn a_plane_typed_through_the_cube_is_no_blow_and_a_plane_dragged_through_it_is() {
-    use crate::scene::edit::ObstacleId;
     let through = |dragged: bool| {
         let (mut session, mut wall) = rested();
         let id = ObstacleId(session.scene().obstacles.len());
@@ -400,7 +406,6 @@ fn a_plane_typed_through_the_cube_is_no_blow_and_a_plane_dragged_through_it_is()
 
 #[test]
 fn undo_of_what_was_dragged_is_no_blow() {
-    use crate::scene::edit::ObstacleId;
     let (mut session, mut wall) = rested();
     let id = ObstacleId(session.scene().obstacles.len());
     let middle = session.status().bodies[0].center[0];

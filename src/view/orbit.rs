@@ -10,6 +10,8 @@ use super::{Camera, Ray};
 const PITCH_LIMIT_RAD: f32 = 89.0 * PI / 180.0;
 /// The closest and farthest the eye may be, m.
 const DISTANCE_LIMITS: [f32; 2] = [1e-3, 1e5];
+/// The target is no further from the origin along any axis, m: as far as things may be.
+const FARTHEST: Vec3 = Vec3::splat(1e4);
 /// The narrowest and widest field of view, radians.
 const FOV_LIMITS_RAD: [f32; 2] = [5.0 * PI / 180.0, 120.0 * PI / 180.0];
 
@@ -52,7 +54,7 @@ impl Orbit {
         let default = Self::default();
         let finite = |value: f32, default: f32| if value.is_finite() { value } else { default };
         Self {
-            target: if self.target.is_finite() { self.target } else { default.target },
+            target: if self.target.is_finite() { self.target.clamp(-FARTHEST, FARTHEST) } else { default.target },
             yaw_rad: finite(self.yaw_rad, default.yaw_rad).rem_euclid(TAU),
             pitch_rad: finite(self.pitch_rad, default.pitch_rad).clamp(-PITCH_LIMIT_RAD, PITCH_LIMIT_RAD),
             distance: finite(self.distance, default.distance).clamp(DISTANCE_LIMITS[0], DISTANCE_LIMITS[1]),

@@ -235,6 +235,22 @@ fn a_choice_does_not_outlive_what_was_chosen() {
 }
 
 #[test]
+fn a_choice_stays_with_what_was_chosen_when_undo_brings_another_back_before_it() {
+    let mut window = Window::open("cube-on-plane");
+    window.click("+ Cube");
+    window.click("+ Cube");
+    window.click("Cube");
+    window.choose("Edit", "Delete Cube");
+    window.click("Cube 2");
+    window.harness.state_mut().session.handle(Command::Undo).expect("it comes back");
+    window.wait();
+    assert_eq!(window.harness.state().ui.selection, Some(Target::Body(BodyId(2))), "it is the third again");
+    window.harness.state_mut().session.handle(Command::Redo).expect("it goes");
+    window.wait();
+    assert_eq!(window.harness.state().ui.selection, Some(Target::Body(BodyId(1))), "and the second");
+}
+
+#[test]
 fn the_view_menu_colours_draws_over_and_frames() {
     let mut window = Window::open("cube-on-plane");
     window.click("View");

@@ -7,6 +7,7 @@ use super::files::FilesState;
 use super::finding::Finding;
 use super::marked_box::MarkedBox;
 use super::modes_panel::{self, ModesPanel};
+use super::moved_places::KnownNames;
 use super::panels::Panels;
 use super::things;
 use super::widths::Widths;
@@ -53,6 +54,8 @@ pub struct UiState {
     pub theme: Theme,
     /// The selected thing.
     pub selection: Option<Target>,
+    /// The names of the things that can be selected.
+    pub known_names: KnownNames,
     /// The size of the selected thing, for the camera to follow.
     pub chosen_size: ChosenSize,
     /// The thing to be selected as soon as it exists: the sandbox answers a few frames later.
@@ -129,6 +132,7 @@ impl UiState {
             frame: None,
             theme: Theme::default(),
             selection: None,
+            known_names: KnownNames::default(),
             chosen_size: ChosenSize::default(),
             awaited: None,
             next_scene_target: None,
@@ -212,8 +216,19 @@ impl UiState {
         }
     }
 
-    /// Selects the awaited thing when it has come, and deselects things that are gone.
+    /// Selects the awaited thing when it has come, follows the chosen ones to other places in their lists, and deselects things
+    /// that are gone.
     pub(super) fn follow(&mut self, scene: &Scene) {
+        if !self.known_names.are_as_many_as_in(scene) {
+            let moved = |target: Target| self.known_names.moved(scene, target);
+            self.selection = self.selection.and_then(moved);
+            self.brush = self.brush.and_then(|brush| match moved(Target::Body(brush.body)) {
+                Some(Target::Body(body)) => Some(Brush { body, ..brush }),
+                _ => None,
+            });
+            self.renaming = self.renaming.take().and_then(|(target, text)| Some((moved(target)?, text)));
+        }
+        self.known_names.update(scene);
         let there = |target: &Target| things::exists(scene, *target);
         let arrived = self.awaited.take_if(|awaited| there(awaited));
         if arrived.is_some() {

@@ -28,6 +28,15 @@ pub struct BodyMotion<R: Real> {
     touches: Vec<SampleTouch>,
 }
 
+impl<R: Real> BodyMotion<R> {
+    /// The memory that it takes, to within what does not grow with the particles.
+    pub fn bytes(&self) -> usize {
+        let Self { position, position_residual, velocity, side, .. } = self;
+        let vectors = position.len() + position_residual.len() + velocity.len();
+        vectors * size_of::<R::Vec3>() + side.iter().map(Vec::len).sum::<usize>()
+    }
+}
+
 impl<R: Real> Simulation<R> {
     /// How a body moves now.
     pub fn body_motion(&self, body: usize) -> BodyMotion<R> {

@@ -54,11 +54,12 @@ pub(in crate::scene) fn specimen() -> Scene {
 
 /// A scene that holds one of everything, each at its default.
 fn defaults() -> Scene {
-    let body = |shape| Body { shape, pins: vec![PinBox::default()], ..Body::default() };
+    let body = |shape| Body { shape, ..Body::default() };
     let solid = |shape| Body {
         material: Material::Solid(Solid::default()),
         inlays: vec![Inlay::default()],
         parts: vec![Part::default()],
+        pins: vec![PinBox::default()],
         ..body(shape)
     };
     let obstacle = |shape| Obstacle { shape, ..Obstacle::default() };

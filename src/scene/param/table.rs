@@ -142,7 +142,7 @@ pub const PARAMS: &[Param] = &[
     flag("view.overlays.bending", "Draws the links to the second neighbours."),
     flag("view.overlays.particles", "Draws the particles."),
     flag("view.overlays.pins", "Marks the particles that are held."),
-    flag("view.overlays.contacts", "Marks where particles touch obstacles, with the forces as arrows: what carries a particle of a body at rest is a fifth of the body long."),
+    flag("view.overlays.contacts", "Marks where bodies touch obstacles and each other, with the forces as arrows: what carries a particle of a body at rest is a fifth of the body long."),
     flag("view.overlays.boxes", "Draws the boxes of the broad phase; those of pairs that meet are stronger."),
     flag("view.overlays.cells", "Draws the cells and marks those turned inside out."),
 ];
