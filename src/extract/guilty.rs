@@ -1,4 +1,4 @@
-//! The links that broke a simulation, marked in the picture of its last good state (I5).
+//! The links that broke a simulation, marked in the picture of its last good state.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Points inside cells: trilinear weights (J6). A point of a mesh moves with the eight particles of one cell. Knows only
+//! Points inside cells: trilinear weights. A point of a mesh moves with the eight particles of one cell. Knows only
 //! the lattice at rest.
 
 use std::collections::VecDeque;

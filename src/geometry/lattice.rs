@@ -1,4 +1,4 @@
-//! From filled cells to particles and links (S3, S4; GC §3, §11). Knows nothing of masses, stiffness or motion.
+//! From filled cells to particles and links (GC §3, §11). Knows nothing of masses, stiffness or motion.
 
 use std::sync::Arc;
 
@@ -318,7 +318,7 @@ mod tests {
         lattice.links.each_ref().map(Vec::len)
     }
 
-    /// The links of S4 by their definition: every pair of corners, every cell.
+    /// The links by their definition: every pair of corners, every cell.
     fn by_definition(list: &[[i32; 3]]) -> [BTreeSet<[[i32; 3]; 2]>; 3] {
         let mut short = [BTreeSet::new(), BTreeSet::new()];
         for &[i, j, k] in list {

@@ -1,4 +1,4 @@
-//! Chooses a few points in each cell that stand for all of a mesh's surface (C8): the outermost ones, spread over the
+//! Chooses a few points in each cell that stand for all of a mesh's surface: the outermost ones, spread over the
 //! surface in the cell.
 //!
 //! ```text

@@ -36,7 +36,7 @@
 //!     find_forces     F at the state: gravity, links (by kernels), cells near inversion, contact by the thesis's rule
 //!     predict         v* = v + dt F/m, and a hand's pull
 //!     meet_bodies     contact of bodies with each other and themselves changes v*, then meet_obstacles does; the implicit
-//!                     scheme solves for pull, obstacles and v' at once instead (solved_velocities)
+//!                     scheme solves for pull, obstacles and v' at once instead (step::solved)
 //!     refine          v' and the velocity u that moves x, with more forces where the scheme has stages; then correct_paths
 //!     is_sound        unless all numbers are finite, the state stays the last good one and the report says so
 //!     accept          x += dt u, v = v'; before it, sides and recovery are settled; after it, sleep and fallen bodies

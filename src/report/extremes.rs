@@ -1,4 +1,4 @@
-//! Random extreme scenes (R2): every value is drawn over its whole range; bodies are dropped from a kilometre, thrown at a
+//! Random extreme scenes: every value is drawn over its whole range; bodies are dropped from a kilometre, thrown at a
 //! kilometre a second, put into obstacles, heavy beside light, hung up by pins. A scene follows from a seed and a number
 //! alone, so each can be made again.
 

@@ -1,4 +1,4 @@
-//! The named cases of the stability report (R2): stiffness, damping, mass and size over many decades, steps, heights, thin
+//! The named cases of the stability report: stiffness, damping, mass and size over many decades, steps, heights, thin
 //! bodies, mass ratios, solids, bodies in obstacles, no gravity, every scheme that has a stable step.
 
 use crate::scene::body::{Body, CellsShape, CubeShape, Inlay, Pose};

@@ -1,5 +1,5 @@
-//! Measurements that explain: how exact a scheme is for its time (R1), how large steps may be (R2), what a scene costs stage
-//! by stage, and what it does not need (R3). Takes scenes and returns figures and tables; knows no files, no arguments and
+//! Measurements that explain: how exact a scheme is for its time, how large steps may be, what a scene costs stage
+//! by stage, and what it does not need. Takes scenes and returns figures and tables; knows no files, no arguments and
 //! no window.
 
 pub mod cost;

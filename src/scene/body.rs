@@ -189,7 +189,7 @@ impl ModelShape {
     }
 }
 
-/// Where the mass of a model comes from if it is a solid (J5). A body of springs does not use this: its particle mass is
+/// Where the mass of a model comes from if it is a solid. A body of springs does not use this: its particle mass is
 /// given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -1,4 +1,4 @@
-//! Wall time to fixed steps: simulated time is kept equal to wall time times the speed, by whole steps (I2).
+//! Wall time to fixed steps: simulated time is kept equal to wall time times the speed, by whole steps.
 
 use std::collections::VecDeque;
 

@@ -1,4 +1,4 @@
-//! Where the time of the steps goes, measured only while someone looks (R3). Measuring reads clocks and changes no motion.
+//! Where the time of the steps goes, measured only while someone looks. Measuring reads clocks and changes no motion.
 
 use std::time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! Measures the error and the run time of every scheme at every step on a scene (R1). Works on the caller's thread, with
+//! Measures the error and the run time of every scheme at every step on a scene. Works on the caller's thread, with
 //! less work than the report takes; reports and stops through [`Progress`].
 
 use std::path::Path;

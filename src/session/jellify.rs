@@ -1,4 +1,4 @@
-//! A model made into a body before anyone decides to use it (J7): what it will be, how fast it will run, and the body
+//! A model made into a body before anyone decides to use it: what it will be, how fast it will run, and the body
 //! itself, so that nothing is computed twice. Works on the caller's thread; reports and stops through [`Progress`].
 
 use std::path::PathBuf;

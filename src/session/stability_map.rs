@@ -1,5 +1,5 @@
 //! Shows where the step of a scene is stable over the stiffness and damping of one body: predicted at once, while someone
-//! looks, and measured when a person asks for it (R2). The measurement works on the caller's thread; it reports and stops
+//! looks, and measured when a person asks for it. The measurement works on the caller's thread; it reports and stops
 //! through [`Progress`].
 
 use std::path::Path;

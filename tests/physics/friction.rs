@@ -1,4 +1,4 @@
-//! Coulomb friction on an incline and at rest (C5).
+//! Coulomb friction on an incline and at rest.
 
 use gelatin::math::Real;
 use gelatin::scene::Scene;

@@ -1,4 +1,4 @@
-//! Ways to break a cube, each of which it recovers from (S7; the "broken cube" of GC §10).
+//! Ways to break a cube, each of which it recovers from (the "broken cube" of GC §10).
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! Models whose cells weigh the sampled part of the model in them (J5).
+//! Models whose cells weigh the sampled part of the model in them.
 
 use std::fmt::Write;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The cost panel: the time and the counts of a step, and the work that the scene does not need (R3).
+//! The cost panel: the time and the counts of a step, and the work that the scene does not need.
 
 use egui::{Grid, Rect, RichText, ScrollArea, Sense, Ui, Vec2, WidgetInfo, vec2};
 

@@ -1,5 +1,5 @@
-//! The error panel: how exact the present scheme and step are and what others would give, as points to choose by a click
-//! (R1). The curve is computed elsewhere, at a person's request.
+//! The error panel: how exact the present scheme and step are and what others would give, as points to choose by a
+//! click. The curve is computed elsewhere, at a person's request.
 
 mod plot;
 

@@ -34,7 +34,7 @@ const RIGHT: [Group; 2] = [
     (
         "In the view",
         &[
-            ("Left drag", "pull the jelly, move a ball or a box; elsewhere turn"),
+            ("Left drag", "pull the jelly, move an obstacle but a plane; elsewhere turn, with shift pan"),
             ("Left drag, Ctrl", "with a brush (Shape, Inlays, Pins): add, paint or pin cells; with ctrl the other way"),
             ("Middle drag", "turn; with shift pan, with ctrl zoom"),
             ("Right drag", "pan"),

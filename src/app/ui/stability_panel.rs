@@ -1,6 +1,6 @@
 //! The stability panel: a map over the stiffness and damping of one body, with the border of stability, and the body as a
 //! dot that follows the sliders. A click takes the values at a place. The measured map is computed elsewhere, at a person's
-//! request (R2).
+//! request.
 
 mod plot;
 mod words;

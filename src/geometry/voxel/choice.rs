@@ -1,4 +1,4 @@
-//! Chooses the occupancy (the way to fill a mesh with cells) by what the mesh is like, and says why (J3).
+//! Chooses the occupancy (the way to fill a mesh with cells) by what the mesh is like, and says why.
 
 use super::centre::{self, ParityFill};
 use super::components::Components;

@@ -1,4 +1,4 @@
-//! Connected components of cells: cells that share a particle (a face, an edge or a corner) are in one component (S4).
+//! Connected components of cells: cells that share a particle (a face, an edge or a corner) are in one component.
 //!
 //! Cells are grouped into runs along x, which are far fewer. Each run is joined with the runs that it touches in the four
 //! rows before its own (a disjoint-set forest; Tarjan and van Leeuwen, "Worst-case analysis of set union algorithms", J. ACM

@@ -1,4 +1,4 @@
-//! Finds how full every cell is by near-uniform samples of a model's volume, or of its surface if it has no inside (J5, SC).
+//! Finds how full every cell is by near-uniform samples of a model's volume, or of its surface if it has no inside (SC).
 //!
 //! Volume samples are the centres of a finer grid, a whole number of them along the edge of a cell. A sample is inside if at
 //! least four of six rays from it, both ways along each axis, find it inside by the surfaces that they cross. Within a

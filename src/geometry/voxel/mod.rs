@@ -43,7 +43,7 @@ pub struct Voxelization {
 }
 
 impl Voxelization {
-    /// Finds how full the cells are by sampling the mesh they were made of, and updates the report (J5).
+    /// Finds how full the cells are by sampling the mesh they were made of, and updates the report.
     pub fn sample(&mut self, mesh: &TriMesh, watch: &dyn Watch) -> Result<Contents, VoxelizeError> {
         let found = contents(mesh, &self.cells, &self.report, watch)?;
         let report = &mut self.report;
@@ -53,7 +53,7 @@ impl Voxelization {
     }
 }
 
-/// Fills a mesh with cubic cells (J2, J3, J4). The result does not depend on the number of threads.
+/// Fills a mesh with cubic cells. The result does not depend on the number of threads.
 ///
 /// An axis-aligned shape whose faces all lie on cell boundaries gives exactly its own cells under `Centre` and `Solid`.
 pub fn voxelize(mesh: &TriMesh, options: &VoxelizeOptions, watch: &dyn Watch) -> Result<Voxelization, VoxelizeError> {

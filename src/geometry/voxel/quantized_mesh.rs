@@ -25,7 +25,7 @@ pub(super) struct QuantizedMesh {
 }
 
 impl QuantizedMesh {
-    /// Lays a mesh into cells of its longest extent / `divisions` (J2): the grid is centred on the mesh's box and
+    /// Lays a mesh into cells of its longest extent / `divisions`: the grid is centred on the mesh's box and
     /// covers it with as few cells as possible.
     pub(super) fn new(mesh: &TriMesh, divisions: u32) -> Result<Self, VoxelizeError> {
         let bounds = mesh.bounds();

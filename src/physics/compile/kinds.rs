@@ -124,7 +124,7 @@ const PIECES_PER_CELL: u8 = 16;
 const MAX_KINDS: usize = 255 - MAX_INLAYS;
 
 /// Gives cells with surface of several parts a kind between theirs: each part has the same share of the volume as of the
-/// surface, and the stiffness is the mean by mass (J5).
+/// surface, and the stiffness is the mean by mass.
 fn blend(kinds: &mut Kinds, body: &Body, lattice: &Lattice, kind_of: &impl Fn(MaterialSource<'_>) -> CellKind) {
     let (parts, names) = parts_of(body);
     if parts.is_empty() {

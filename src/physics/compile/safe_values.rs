@@ -1,5 +1,5 @@
-//! How far each value of a material may go before the step asked for is no longer safe, the others left as they are
-//! (I6): what a slider marks on its track.
+//! How far each value of a material may go before the step asked for is no longer safe, the others left as they
+//! are: what a slider marks on its track.
 
 use crate::geometry::{Family, Lattice};
 use crate::math::{Aabb, Real};

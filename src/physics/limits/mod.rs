@@ -1,4 +1,4 @@
-//! How large a step may be, computed before anything moves (I5, I6).
+//! How large a step may be, computed before anything moves.
 //!
 //! Semi-implicit Euler with link forces `K` and damping `C` is the leapfrog scheme with centred damping; its energy stays
 //! positive, and the motion bounded, iff `4M − dt² K − 2 dt C` is positive definite. Each link contributes

@@ -24,7 +24,7 @@ pub enum Stage {
     Gravity,
     /// Link forces with the weight, and the predicted velocities where link forces come last.
     Links,
-    /// Cells that are near inversion (S7).
+    /// Cells that are near inversion.
     Recovery,
     /// Boxes against boxes (GC §7).
     BroadPhase,

@@ -1,5 +1,5 @@
-//! Points on the mesh that a body's cells were made from, which meet obstacles and other bodies in place of its particles
-//! (C8), and the mesh itself, out of which points of other bodies are pushed.
+//! Points on the mesh that a body's cells were made from, which meet obstacles and other bodies in place of its
+//! particles, and the mesh itself, out of which points of other bodies are pushed.
 //!
 //! They follow from the lattice alone, and are constant. Each point is a mean of the eight particles of one cell; a cell has
 //! at most eight points ([`crate::geometry::sampling`]).

@@ -1,4 +1,4 @@
-//! One number per particle: what a body can be coloured by (V3; GC §9).
+//! One number per particle: what a body can be coloured by (GC §9).
 
 use crate::math::{Real, Vector};
 use crate::physics::model::{BodyModel, Values};

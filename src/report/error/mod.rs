@@ -1,4 +1,4 @@
-//! Error against run time (R1): how far a scheme at a step misses a converged reference, and what that costs.
+//! Error against run time: how far a scheme at a step misses a converged reference, and what that costs.
 //!
 //! The reference is the same scene in double precision, by [`REFERENCE`] at a step well below the smallest one measured. It
 //! is run a second time at twice that step: the difference of the two is the reference's own error. Every measured run is in

@@ -1,4 +1,4 @@
-//! The scenes of the error report (R1): each shows one strength or weakness of schemes, in a body small enough to be run
+//! The scenes of the error report: each shows one strength or weakness of schemes, in a body small enough to be run
 //! some hundred times.
 
 use crate::scene::body::{Body, CubeShape, PinBox, Pose};

@@ -1,4 +1,4 @@
-//! Judges the motion of a scene (R2): nothing becomes infinite, no energy comes from nowhere, nothing gets further than
+//! Judges the motion of a scene: nothing becomes infinite, no energy comes from nowhere, nothing gets further than
 //! it could be thrown.
 //!
 //! ```text

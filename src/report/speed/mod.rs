@@ -1,4 +1,4 @@
-//! How fast a step is (R3): free cubes at every level of vector instructions and on several threads, beside the naive loop
+//! How fast a step is: free cubes at every level of vector instructions and on several threads, beside the naive loop
 //! that everybody writes first, in turns in one process; and scenes beside real time.
 
 pub mod naive;

@@ -1,4 +1,4 @@
-//! The stability report (R2): cases from one end of the ranges to the other, each with the predicted limit of the step
+//! The stability report: cases from one end of the ranges to the other, each with the predicted limit of the step
 //! beside the measured one and its motion in automatic stepping judged; random scenes; the border of stability over
 //! stiffness and damping; contact and friction; a round body against Hertz's theory; the thesis's two failures with their
 //! cures.

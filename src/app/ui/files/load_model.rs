@@ -1,4 +1,4 @@
-//! The assistant that makes a model into jelly (J7): the file, how finely it is divided, and a preview of the result before
+//! The assistant that makes a model into jelly: the file, how finely it is divided, and a preview of the result before
 //! anything is changed. Every change of a value starts the work anew; the work itself is done elsewhere.
 
 use egui::{ComboBox, DragValue, Grid, ProgressBar, RichText, ScrollArea, Ui, Vec2};

@@ -1,4 +1,4 @@
-//! Recovery from inversion (S7; the "broken cube" of GC §10): springs alone have mirrored minima, in which crushed
+//! Recovery from inversion (the "broken cube" of GC §10): springs alone have mirrored minima, in which crushed
 //! cells stay inside out for ever.
 //!
 //! The means a, b, c of a cell's four edges along each axis and its cell size h give the signed volume `V = a·(b×c)/h³`,
