@@ -103,6 +103,7 @@ impl Files {
                 base_dir: status.base_dir.clone(),
                 title: status.title.clone(),
                 file: status.file.clone(),
+                on_disk: status.on_disk,
             });
         }
     }
@@ -193,6 +194,7 @@ impl Files {
             scene: Box::new(found.scene.clone()),
             title: found.title.clone(),
             file: found.file.clone(),
+            on_disk: found.on_disk,
         })
     }
 

@@ -46,6 +46,8 @@ pub struct Draft {
     pub title: String,
     /// The file of the scene, if it has one.
     pub file: Option<PathBuf>,
+    /// The checksum of that file as it was last read or written; none where that is not known.
+    pub on_disk: Option<u64>,
 }
 
 /// The contents of the line before the scene.
@@ -53,6 +55,8 @@ pub struct Draft {
 struct Header {
     title: String,
     file: Option<PathBuf>,
+    #[serde(default)]
+    on_disk: Option<u64>,
     unix_secs: i64,
 }
 
@@ -65,6 +69,8 @@ pub struct Found {
     pub title: String,
     /// The file of the scene, if it has one.
     pub file: Option<PathBuf>,
+    /// The checksum of that file as it was last read or written; none where that is not known.
+    pub on_disk: Option<u64>,
     /// When it was kept, seconds since 1970.
     pub unix_secs: i64,
     draft: PathBuf,
@@ -213,6 +219,7 @@ fn write(draft: &Draft, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
         title: draft.title.clone(),
         // A name that is not valid Unicode cannot be written: the scene is then recovered without it.
         file: draft.file.clone().filter(|file| file.to_str().is_some()),
+        on_disk: draft.on_disk,
         unix_secs: i64::try_from(now.as_secs())?,
     };
     let text = format!("{MARK}{}\n{}", serde_json::to_string(&header)?, scene.to_ron()?);
@@ -238,8 +245,8 @@ fn claim(draft: PathBuf) -> Option<Found> {
         }
     }
     match read(&draft) {
-        Ok((Header { title, file, unix_secs }, scene)) => {
-            Some(Found { scene, title, file, unix_secs, draft, _lock: lock })
+        Ok((Header { title, file, on_disk, unix_secs }, scene)) => {
+            Some(Found { scene, title, file, on_disk, unix_secs, draft, _lock: lock })
         }
         Err(error) => {
             log::warn!("{}: is no draft: {}", draft.display(), sentence(&*error));

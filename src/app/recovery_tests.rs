@@ -12,6 +12,7 @@ fn draft(title: &str) -> Draft {
         base_dir: PathBuf::new(),
         title: title.to_owned(),
         file: Some("/home/a/b.ron".into()),
+        on_disk: Some(u64::MAX),
     }
 }
 
@@ -75,6 +76,7 @@ fn the_draft_of_a_dead_program_is_offered_to_one() {
     let found = find(folder.path());
     let [one] = &found[..] else { panic!("one draft, not {found:?}") };
     assert_eq!((one.title.as_str(), one.file.as_deref()), ("a", Some(Path::new("/home/a/b.ron"))));
+    assert_eq!(one.on_disk, Some(u64::MAX), "its file is known again");
     assert!((one.scene.view.camera.distance - 7.0).abs() < 1e-12, "with the camera");
     assert_eq!(find(folder.path()).len(), 0, "it is taken");
     drop(found);

@@ -284,9 +284,9 @@ impl Shell {
     fn revive(&mut self) {
         if let Some(snapshot) = self.snapshot.take() {
             let Snapshot { scene, status, .. } = snapshot;
-            let Status { title, base_dir, file, unsaved, .. } = status;
+            let Status { title, base_dir, file, unsaved, on_disk, .. } = status;
             self.failure.clear();
-            let opened = Opened { scene: Scene::clone(&scene), title, base_dir, file, unsaved };
+            let opened = Opened { scene: Scene::clone(&scene), title, base_dir, file, unsaved, on_disk };
             self.worker = start_worker(&self.proxy, opened);
         }
     }

@@ -80,6 +80,8 @@ pub enum Command {
         title: String,
         /// The file that it belongs to, if it has one.
         file: Option<PathBuf>,
+        /// The checksum of that file when the scene was lost; none where that is not known.
+        on_disk: Option<u64>,
     },
     /// Change the scene; the motion goes on as far as the change allows. Successive changes of one value are undone
     /// together, until [`Command::EndEdit`]. An obstacle jumps to its new place, and gently moves bodies that it would

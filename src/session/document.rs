@@ -75,12 +75,14 @@ pub struct Opened {
     pub file: Option<PathBuf>,
     /// Whether the scene holds changes that are in no file.
     pub unsaved: bool,
+    /// The checksum of the scene file as it was last read or written; only for changes that were recovered.
+    pub on_disk: Option<u64>,
 }
 
 impl Opened {
     /// A scene that comes from no scene file: a preset, or one made around a model.
     pub fn without_file(scene: Scene, title: String, base_dir: PathBuf) -> Self {
-        Self { scene, title, base_dir, file: None, unsaved: false }
+        Self { scene, title, base_dir, file: None, unsaved: false, on_disk: None }
     }
 
     /// A new scene: nothing but the ground.
@@ -92,7 +94,8 @@ impl Opened {
     pub fn from_file(path: &Path) -> Result<Self, SceneFileError> {
         let scene = Scene::load(path)?;
         let file = std::path::absolute(path).unwrap_or_else(|_no_current_folder| path.to_owned());
-        Ok(Self { scene, title: title_of(&file), base_dir: folder_of(path), file: Some(file), unsaved: false })
+        let (title, base_dir) = (title_of(&file), folder_of(path));
+        Ok(Self { file: Some(file), ..Self::without_file(scene, title, base_dir) })
     }
 }
 
@@ -133,7 +136,7 @@ pub(super) struct Document {
     /// The scene as last opened or saved; none for a scene recovered after a crash.
     saved: Option<Scene>,
     /// The fingerprint of the file as last opened or saved; none where there was none.
-    on_disk: Option<u64>,
+    pub(super) on_disk: Option<u64>,
     /// Where the file has its models.
     models: ModelPlace,
     /// How often saving was refused because another program had changed the file.
@@ -143,9 +146,10 @@ pub(super) struct Document {
 impl Document {
     /// The document of a scene just opened.
     pub(super) fn new(opened: &Opened) -> Self {
-        let Opened { scene, title, base_dir, file, unsaved } = opened;
+        let Opened { scene, title, base_dir, file, unsaved, on_disk } = opened;
         let saved = (!unsaved).then(|| scene.clone());
-        let on_disk = file.as_deref().and_then(fingerprint);
+        // Another program may have changed the file since a scene was lost that is recovered now.
+        let on_disk = on_disk.or_else(|| file.as_deref().and_then(fingerprint));
         // A recovered scene keeps its models where its own file has them, which is not the file that it was read from.
         let of_file = || file.as_deref().filter(|_| *unsaved).and_then(|file| Scene::load(file).ok());
         let has_inside = !scene.models.is_empty() || of_file().is_some_and(|scene| !scene.models.is_empty());
@@ -404,8 +408,12 @@ mod tests {
         again.handle(Command::Undo).expect("it comes back without a file");
         again.handle(Command::Save { camera }).expect("saved");
         assert_eq!(Scene::load(&there).expect("a scene"), written, "as it was");
-        let recover =
-            Command::Recover { scene: Box::new(with_model("builtin:spot.obj")), title: "b".into(), file: Some(there) };
+        let recover = Command::Recover {
+            scene: Box::new(with_model("builtin:spot.obj")),
+            title: "b".into(),
+            file: Some(there),
+            on_disk: None,
+        };
         again.handle(recover).expect("a scene");
         assert_eq!(again.status().models, Inside, "its file goes on as it was");
     }
@@ -462,13 +470,17 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let (mut session, file) = opened(folder.path(), "a.ron");
         let scene = Box::new(anchored(session.scene(), folder.path()));
-        let recover = Command::Recover { scene, title: "a.ron".into(), file: Some(file.clone()) };
-        session.handle(recover).expect("the model is found");
+        let on_disk = session.status().on_disk;
+        let recover = |scene| Command::Recover { scene, title: "a.ron".into(), file: Some(file.clone()), on_disk };
+        session.handle(recover(scene.clone())).expect("the model is found");
         assert!(session.status().unsaved, "it is in no file yet");
         session.handle(Command::Save { camera: CameraSettings::default() }).expect("it has a file");
         assert!(!session.status().unsaved, "now it is");
         let written = Scene::load(&file).expect("a scene");
         let Shape::Model(model) = &written.bodies[0].shape else { panic!("a model") };
         assert_eq!(model.path, "box.obj", "relative again");
+        session.handle(recover(scene)).expect("the model is found");
+        let refused = session.handle(Command::Save { camera: CameraSettings::default() });
+        assert!(refused.is_err(), "the file is another than when the scene was lost");
     }
 }

@@ -18,7 +18,7 @@ use crate::scene::cell_brush::{middle_shift, own_cells};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
 use crate::scene::param::Problem;
 use crate::scene::resolve::{Jelly, load_meshes};
-use crate::scene::{Body, MovesBy, Pose, Scene, Shape, named};
+use crate::scene::{Body, MovesBy, ObstacleShape, Pose, Scene, Shape, named};
 
 /// The progress of a change once its bodies are made, and once they are compiled for simulation.
 const BODIES_MADE_PROGRESS: f64 = 0.4;
@@ -175,10 +175,14 @@ impl Session {
         let applied = scene.apply(edit).map_err(|error| self.error_in_words(error))?;
         let progress = self.progress.clone();
         let watch: &dyn Watch = progress.as_ref().map_or(&(), |progress| &**progress);
-        load_meshes(&mut scene, self.shape_cache.base_dir(), watch).map_err(|error| match error {
-            _ if watch.cancelled() => SessionError::ChangeStopped,
-            error => error.into(),
-        })?;
+        let is_read = |mesh: &ObstacleShape| !matches!(mesh, ObstacleShape::Mesh(mesh) if mesh.surface().is_none());
+        if !scene.obstacles.iter().all(|obstacle| is_read(&obstacle.shape)) {
+            let read = load_meshes(&mut scene, self.shape_cache.base_dir(), watch);
+            if watch.cancelled() {
+                return Err(SessionError::ChangeStopped);
+            }
+            read?;
+        }
         let scene = Arc::new(scene);
         match applied.impact {
             Impact::Topology => self.rebuild(&scene, &old_body_indices)?,

@@ -99,8 +99,8 @@ impl Opened {
             Command::Replace { scene, base_dir, title } => Self::without_file(*scene, title, base_dir),
             Command::New => Self::blank(),
             Command::Open { path } => Self::from_file(&path)?,
-            Command::Recover { scene, title, file } => {
-                Self { scene: *scene, title, base_dir: PathBuf::new(), file, unsaved: true }
+            Command::Recover { scene, title, file, on_disk } => {
+                Self { scene: *scene, title, base_dir: PathBuf::new(), file, unsaved: true, on_disk }
             }
             _ => return Ok(None),
         }))

@@ -19,6 +19,7 @@ impl Session {
             title: self.document.title.clone(),
             file: self.document.file.clone(),
             unsaved: self.document.is_unsaved(&self.scene),
+            on_disk: self.document.on_disk,
             refused_saves: self.document.refused_saves,
             models: self.document.models(&self.scene),
             chooses_models: chooses_models(&self.scene),

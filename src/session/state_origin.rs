@@ -50,8 +50,9 @@ impl Origin {
         if let Some((place, (saved, present))) = { pairs }.find(|(_, (saved, here))| saved.particles != here.particles)
         {
             let name = |body: &OriginBody| named(&body.name, "body", place);
+            let kind = if saved.name.is_empty() { "" } else { "body " };
             return Some(format!(
-                "its {} has {} particles, {} in this scene has {}",
+                "its {kind}{} has {} particles, {} in this scene has {}",
                 name(saved),
                 saved.particles,
                 name(present),
@@ -80,6 +81,8 @@ mod tests {
         assert_eq!(fewer.as_deref(), Some("it has 2 bodies, this scene has 1"));
         let finer = saved.difference(&origin(&[("Cube", 1000), ("Cow", 9000)], 1));
         assert_eq!(finer.as_deref(), Some("its body Spot has 1750 particles, Cow in this scene has 9000"));
+        let nameless = origin(&[("", 8)], 1).difference(&origin(&[("", 27)], 1));
+        assert_eq!(nameless.as_deref(), Some("its body 1 has 8 particles, body 1 in this scene has 27"));
         let planes = saved.difference(&origin(&[("Cube", 1000), ("Spot", 1750)], 0));
         assert_eq!(planes.as_deref(), Some("it has 1 plane, this scene has 0"));
     }

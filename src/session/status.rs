@@ -24,6 +24,8 @@ pub struct Status {
     pub file: Option<PathBuf>,
     /// Whether the scene holds changes that are in no file.
     pub unsaved: bool,
+    /// The checksum of the scene file as it was last read or written; none where that is not known.
+    pub on_disk: Option<u64>,
     /// How often saving was refused since the last success because another program had changed the file.
     pub refused_saves: u32,
     /// Where its file has its models, or would have them.
