@@ -28,6 +28,8 @@ use crate::session::document::anchored;
 
 /// The beginning of the line before the scene.
 const MARK: &str = "// draft ";
+/// What errors call the scene of a draft.
+const DRAFT: &str = "draft";
 /// A larger file is no draft.
 const MAX_BYTES: u64 = 128 << 20;
 /// Names tried before drafts are given up: programs in other containers may have the same process number.
@@ -222,7 +224,7 @@ fn write(draft: &Draft, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
         on_disk: draft.on_disk,
         unix_secs: i64::try_from(now.as_secs())?,
     };
-    let text = format!("{MARK}{}\n{}", serde_json::to_string(&header)?, scene.to_ron()?);
+    let text = format!("{MARK}{}\n{}", serde_json::to_string(&header)?, scene.to_readable_ron(DRAFT)?);
     Ok(disk::write(file, text.as_bytes())?)
 }
 
@@ -259,7 +261,7 @@ fn read(draft: &Path) -> Result<(Header, Scene), Box<dyn std::error::Error>> {
     let text = String::from_utf8(disk::read(draft, MAX_BYTES)?)?;
     let line = text.lines().next().and_then(|line| line.strip_prefix(MARK)).ok_or("its first line is missing")?;
     let header = serde_json::from_str(line)?;
-    Ok((header, Scene::from_ron(&text, "draft")?))
+    Ok((header, Scene::from_ron(&text, DRAFT)?))
 }
 
 /// Finds a name under which no living or dead program has left a draft, and takes its lock.

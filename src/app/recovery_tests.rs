@@ -101,6 +101,17 @@ fn what_is_recovered_goes_only_when_it_is_kept_anew() {
 }
 
 #[test]
+fn a_draft_that_nobody_could_read_leaves_the_one_before() {
+    let folder = tempfile::tempdir().expect("a folder");
+    leave_behind(folder.path(), 1, "a");
+    let camera = CameraSettings { fov_deg: 130.0, ..CameraSettings::default() };
+    let refused =
+        write(&Draft { camera, ..draft("b") }, &folder.path().join("1.ron")).expect_err("too wide").to_string();
+    assert_eq!(refused, "draft: view.camera.fov_deg = 130 ° is outside 5 … 120 °");
+    assert_eq!(find(folder.path())[0].title, "a", "it is still there");
+}
+
+#[test]
 fn damaged_drafts_are_passed_over() {
     let folder = tempfile::tempdir().expect("a folder");
     leave_behind(folder.path(), 1, "a");

@@ -152,8 +152,7 @@ impl Scene {
                 message: ron_words::words(&code),
             },
         })?;
-        let mut problems = param::validate(&scene);
-        problems.extend(embedded_check::problems(&scene.models));
+        let mut problems = scene.problems();
         if problems.is_empty() {
             return Ok(scene);
         }
@@ -174,6 +173,24 @@ impl Scene {
         Ok(format!("// A Gelatin {program} scene, format version {VERSION}. SI units, y up.\n{body}\n"))
     }
 
+    /// As [`Scene::to_ron`], unless the text could not be read again: the error is then that of reading it. `name` is what
+    /// errors call the file.
+    pub fn to_readable_ron(&self, name: &str) -> Result<String, SceneFileError> {
+        let problems = self.problems();
+        if problems.is_empty() {
+            self.to_ron()
+        } else {
+            Err(SceneFileError::Values { name: name.to_owned(), problems })
+        }
+    }
+
+    /// Every value and every model file inside that is not allowed.
+    fn problems(&self) -> Vec<Problem> {
+        let mut problems = param::validate(self);
+        problems.extend(embedded_check::problems(&self.models));
+        problems
+    }
+
     /// Reads a scene file.
     pub fn load(path: &Path) -> Result<Self, SceneFileError> {
         let name = echo_path(path);
@@ -192,12 +209,7 @@ impl Scene {
     /// Writes a scene file: all of it, or the file that was there stays as it was. What could not be read again is not written.
     pub fn save(&self, path: &Path) -> Result<(), SceneFileError> {
         let name = echo_path(path);
-        let mut problems = param::validate(self);
-        problems.extend(embedded_check::problems(&self.models));
-        if !problems.is_empty() {
-            return Err(SceneFileError::Values { name, problems });
-        }
-        let text = self.to_ron()?;
+        let text = self.to_readable_ron(&name)?;
         if text.len() as u64 > MAX_BYTES {
             return Err(SceneFileError::TooLargeToRead { name, mib: text.len().div_ceil(1 << 20) });
         }
@@ -391,6 +403,11 @@ mod tests {
         scene.save(&path).expect("a new file");
         Scene::default().save(&path).expect("an old file");
         assert_eq!(Scene::load(&path).expect("the newer one"), Scene::default());
+        let mut slow = Scene::default();
+        slow.settings.dt = 7.0;
+        let refused = slow.save(&path).expect_err("nobody could read it").to_string();
+        assert!(refused.ends_with("a.ron: settings.dt = 7 s is outside 1e-6 … 0.1 s"), "{refused}");
+        assert_eq!(Scene::load(&path).expect("it is still there"), Scene::default());
         assert!(scene.save(&folder.path().join("none/a.ron")).is_err(), "no such folder");
         assert!(scene.save(folder.path()).is_err(), "a folder");
         assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1, "no temporary file is left");

@@ -18,6 +18,7 @@ use super::gather::{Gathered, Source, gather, with_models_inside};
 use crate::disk::{self, folder_of};
 use crate::scene::Scene;
 use crate::scene::embedded::PREFIX;
+use crate::text::echo_path;
 
 /// The folder of the models.
 const MODELS: &str = "models";
@@ -43,9 +44,9 @@ pub fn collect(scene: &Scene, base_dir: &Path, title: &str, folder: &Path) -> Re
     disk::check_new_folder(folder).map_err(refused)?;
     let mut scene = scene.clone();
     let files = gather(&mut scene, base_dir, &format!("{MODELS}/"))?;
-    let text = scene.to_ron()?;
     let name = Path::new(title).with_extension("ron");
     let name = Path::new(name.file_name().unwrap_or_else(|| UNTITLED.as_ref()));
+    let text = scene.to_readable_ron(&echo_path(name))?;
     let mut bytes = 0;
     disk::write_folder(folder, |inside| {
         for Gathered { place, from } in &files {
@@ -177,15 +178,27 @@ mod tests {
     fn models_of_one_stem_keep_apart_and_no_name_is_refused() {
         let (outer, mut scene) = scattered();
         let at = |path: &str| outer.path().join(path);
-        fs::write(at("two/flat.obj"), format!("mtllib bin/a.mtl\n{TENT}")).expect("a file");
-        fs::write(at("two/bin/a.mtl"), "newmtl red\nKd 1 0 0\n").expect("a file");
-        fs::write(at("two/scan 10:30.obj"), TENT).expect("a file");
-        scene.bodies = ["../two/flat.gltf", "../two/flat.obj", "../two/scan 10:30.obj"].map(body).to_vec();
+        fs::create_dir(at("one/bin")).expect("a folder");
+        // Its colours have the name of the other's buffer.
+        let colors = "newmtl red\nKd 1 0 0\n";
+        fs::write(at("one/bin/a.bin"), colors).expect("a file");
+        fs::write(at("one/Flat.obj"), format!("mtllib bin/a.bin\n{TENT}")).expect("a file");
+        for name in ["two/scan 10:30.obj", "two/a\\1.obj", "two/a\\2.obj"] {
+            fs::write(at(name), TENT).expect("a file");
+        }
+        let paths = ["two/flat.gltf", "one/Flat.obj", "two/scan 10:30.obj", "two/a\\1.obj", "two/a\\2.obj"];
+        scene.bodies = paths.map(|path| body(&format!("../{path}"))).to_vec();
         scene.obstacles.clear();
         let file = at("held.ron");
         let found = collect_into_file(&scene, &at("scenes"), &file).expect("a sound scene");
-        let names = ["flat/flat.gltf", "flat/bin/a.bin", "flat-2/flat.obj", "flat-2/bin/a.mtl", "scan 10_30.obj"];
-        assert_eq!(found.models, names.map(|name| PathBuf::from(format!("embedded:{name}"))));
+        let two = ["flat/flat.gltf", "flat/bin/a.bin", "Flat-2/Flat.obj", "Flat-2/bin/a.bin"];
+        let names = [&two[..], &["scan 10_30.obj", "a_1.obj", "a_2.obj"]].concat();
+        let within = |name: &&str| PathBuf::from(format!("embedded:{name}"));
+        assert_eq!(found.models, names.iter().map(within).collect::<Vec<_>>());
+        collect(&scene, &at("scenes"), "a", &at("mine")).expect("a sound scene");
+        let copied = |name: &str| fs::read(at("mine/models").join(name)).expect("it was collected");
+        assert_eq!(copied("flat/bin/a.bin"), fs::read(at("two/bin/a.bin")).expect("a file"), "nothing was put over it");
+        assert_eq!(copied("Flat-2/bin/a.bin"), colors.as_bytes());
         let read = Scene::load(&file).expect("it can be read again");
         for body in &read.bodies {
             resolve(&body.shape, read.model_places(Path::new("/nowhere")), &()).expect("it has its model");
@@ -225,6 +238,10 @@ mod tests {
         };
         let words = refused(&scene, "one");
         assert!(words.contains("one cannot be written") && words.contains("not empty"), "{words}");
+        let dt = std::mem::replace(&mut scene.settings.dt, 7.0);
+        let words = refused(&scene, "new");
+        assert!(words.starts_with("a.ron: settings.dt = 7 s is outside"), "nobody could open it: {words}");
+        scene.settings.dt = dt;
         fs::remove_file(outer.path().join("two/bin/a.bin")).expect("the file is there");
         let words = refused(&scene, "new");
         assert!(words.contains("body 3") && words.contains("a.bin"), "{words}");

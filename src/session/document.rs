@@ -479,6 +479,8 @@ mod tests {
         let written = Scene::load(&file).expect("a scene");
         let Shape::Model(model) = &written.bodies[0].shape else { panic!("a model") };
         assert_eq!(model.path, "box.obj", "relative again");
+        let other = std::fs::read_to_string(&file).expect("a scene") + "// Written by hand.\n";
+        std::fs::write(&file, other).expect("a file");
         session.handle(recover(scene)).expect("the model is found");
         let refused = session.handle(Command::Save { camera: CameraSettings::default() });
         assert!(refused.is_err(), "the file is another than when the scene was lost");

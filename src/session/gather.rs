@@ -120,18 +120,17 @@ pub(super) fn gather(scene: &mut Scene, base_dir: &Path, prefix: &str) -> Result
             *path = format!("{prefix}{place}");
             continue;
         }
-        // Only the model itself may get another name; the files beside it keep theirs.
-        let name = files.first().map(|(name, _)| name.replace([':', '\\'], "_")).unwrap_or_default();
+        let name = files.first().map(|(name, _)| name.clone()).unwrap_or_default();
         let own = |name: &str| {
             if files.len() > 1 { format!("{}/{name}", stem(name)) } else { name.to_owned() }
         };
         let in_other = |number: u32| format!("{}-{number}/{name}", stem(&name));
         let numbered = (2..).map(|number| if files.len() > 1 { in_other(number) } else { with_number(&name, number) });
-        // A model with files beside it has a folder to itself.
-        let own_part = |place: &str| place.split_once('/').map_or(place.to_owned(), |(folder, _)| folder.to_owned());
+        // A model with files beside it has a folder to itself, also where capitals do not count.
+        let own_part = |place: &str| place.split_once('/').map_or(place, |(folder, _)| folder).to_lowercase();
         let is_free = |place: &String| {
             let part = own_part(place);
-            all.iter().all(|other| !own_part(&other.place).eq_ignore_ascii_case(&part))
+            all.iter().all(|other| own_part(&other.place) != part)
         };
         let place = std::iter::once(own(&name)).chain(numbered).find(is_free).unwrap_or_default();
         let folder = place.rsplit_once('/').map_or("", |(folder, _)| folder);
@@ -165,8 +164,11 @@ fn files_on_disk(path: &Path, whose: &str) -> Result<Vec<(String, Source)>, Coll
     let beside = folder_of(path);
     let named = |file: PathBuf| {
         // The files beside a model are never in a folder above it.
-        let name = if file == path { path.file_name().map(Path::new) } else { file.strip_prefix(&beside).ok() };
+        let is_model = file == path;
+        let name = if is_model { path.file_name().map(Path::new) } else { file.strip_prefix(&beside).ok() };
         match name.and_then(Path::to_str) {
+            // Only the model itself may get another name; the files beside it keep theirs.
+            Some(name) if is_model => Ok((name.replace([':', '\\'], "_"), Source::Disk(file))),
             Some(name) => Ok((name.replace('\\', "/"), Source::Disk(file))),
             None => Err(CollectError::Name { whose: whose.to_owned(), path: file }),
         }

@@ -158,6 +158,14 @@ fn a_teleport_to_where_the_body_starts_brings_it_back_there() {
 }
 
 #[test]
+fn a_body_without_a_name_is_called_by_its_place() {
+    let mut session = session("cube-on-plane");
+    change(&mut session, |body| body.name.clear());
+    session.handle(Command::Teleport(BodyId(0), [0.0, 2.0, 0.0])).expect("a place");
+    assert_eq!(session.status().undo, "teleport body 1");
+}
+
+#[test]
 fn before_time_runs_a_moved_start_is_the_start() {
     let mut moved = session("cube-on-plane");
     change(&mut moved, |body| (body.pose.position[1], body.velocity[0]) = (2.0, 1.0));

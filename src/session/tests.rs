@@ -90,12 +90,17 @@ fn a_change_that_nobody_waits_for_any_more_leaves_everything_as_it_was() {
     assert!(seen(&session) == made && !session.status().undo.is_empty(), "it can still be taken back");
     session.handle(Command::Undo).expect("one step back");
     assert!(seen(&session) == before, "with its motion");
-    let mesh = ObstacleShape::Mesh(Mesh { path: "builtin:spot.obj".to_owned(), ..Mesh::default() });
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tent.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n").expect("a file");
+    let mesh = ObstacleShape::Mesh(Mesh { path: path.to_string_lossy().into_owned(), ..Mesh::default() });
     let place = ObstacleId(session.scene().obstacles.len());
-    let cow = Obstacle { shape: mesh, ..Obstacle::default() };
-    let stopped = session.handle_awaited(Command::Edit(Edit::InsertObstacle(place, Box::new(cow))), &left);
+    let tent = Obstacle { shape: mesh, ..Obstacle::default() };
+    let insert = Command::Edit(Edit::InsertObstacle(place, Box::new(tent)));
+    let stopped = session.handle_awaited(insert.clone(), &left);
     assert!(matches!(stopped, Err(SessionError::ChangeStopped)), "nor does the model of an obstacle come: {stopped:?}");
     assert!(seen(&session) == before, "everything is as it was");
+    session.handle_awaited(insert, &Arc::default()).expect("it is waited for");
 }
 
 #[test]

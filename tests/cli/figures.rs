@@ -323,6 +323,23 @@ fn pictures_are_written_one_by_one_and_differ() {
     assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2], "the cube falls");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn the_name_of_a_picture_need_not_be_text() {
+    use std::os::unix::ffi::OsStrExt;
+
+    let folder = Folder::new();
+    let ran = Command::new(env!("CARGO_BIN_EXE_gelatin"))
+        .args(["render", "cube-on-plane", "--at", "0", "--size", "16x10", "--json", "-o"])
+        .arg(std::ffi::OsStr::from_bytes(b"\xff.png"))
+        .current_dir(folder.path(""))
+        .output()
+        .expect("the program starts");
+    assert_eq!(ran.status.code(), Some(0), "{ran:?}");
+    let made: serde_json::Value = serde_json::from_slice(&ran.stdout).expect("one JSON object");
+    assert_eq!(made["files"][0].as_str(), Some("\u{fffd}.png"), "as far as it can be written");
+}
+
 #[test]
 fn without_a_body_no_motion_is_too_violent() {
     let folder = Folder::new();

@@ -52,7 +52,7 @@ pub use color::color_command;
 pub use finding::Finding;
 pub use marked_box::MarkedBox;
 pub use modes_panel::ModesPanel;
-pub use moved_places::KnownNames;
+pub use moved_places::KnownThings;
 pub use panels::{BottomPanel, Panels};
 pub use shown::{Running, Shown};
 pub use state::{Brush, Framing, TooHeavy, UiState};

@@ -5,80 +5,106 @@ use crate::app::hand::Target;
 use crate::scene::Scene;
 use crate::scene::edit::{BodyId, ObstacleId};
 
-/// The names of the bodies and the obstacles that were there last.
-#[derive(Clone, Debug, Default)]
-pub struct KnownNames {
-    bodies: Vec<String>,
-    obstacles: Vec<String>,
+/// The bodies and the obstacles of a scene, as far as is needed to find them again.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct KnownThings {
+    bodies: Vec<Known>,
+    obstacles: Vec<Known>,
 }
 
-impl KnownNames {
-    /// Returns what a thing of the scene before is in this one; none where it is gone.
-    pub(super) fn moved(&self, scene: &Scene, target: Target) -> Option<Target> {
-        let (bodies, obstacles) = names(scene);
+/// What a thing is known by: its name, or where it is if it shares its name with others or has none.
+#[derive(Clone, Debug, PartialEq)]
+struct Known {
+    name: String,
+    position: [f64; 3],
+}
+
+impl KnownThings {
+    /// The things of a scene.
+    pub(super) fn of(scene: &Scene) -> Self {
+        let bodies = scene.bodies.iter().map(|body| Known { name: body.name.clone(), position: body.pose.position });
+        let obstacles = scene.obstacles.iter();
+        let obstacles = obstacles.map(|thing| Known { name: thing.name.clone(), position: thing.shape.center() });
+        Self { bodies: bodies.collect(), obstacles: obstacles.collect() }
+    }
+
+    /// Returns what one of these things is among those that are there now; none where it is gone.
+    pub(super) fn moved(&self, now: &Self, target: Target) -> Option<Target> {
         match target {
-            Target::Body(BodyId(place)) => moved(&self.bodies, &bodies, place).map(|to| Target::Body(BodyId(to))),
-            Target::Obstacle(ObstacleId(place)) => {
-                moved(&self.obstacles, &obstacles, place).map(|to| Target::Obstacle(ObstacleId(to)))
+            Target::Body(id) => moved(&self.bodies, &now.bodies, id.0).map(|to| Target::Body(BodyId(to))),
+            Target::Obstacle(id) => {
+                moved(&self.obstacles, &now.obstacles, id.0).map(|to| Target::Obstacle(ObstacleId(to)))
             }
         }
     }
-
-    /// Whether as many things are there as were.
-    pub(super) fn are_as_many_as_in(&self, scene: &Scene) -> bool {
-        [self.bodies.len(), self.obstacles.len()] == [scene.bodies.len(), scene.obstacles.len()]
-    }
-
-    /// Takes over the names of a scene.
-    pub(super) fn update(&mut self, scene: &Scene) {
-        let (bodies, obstacles) = names(scene);
-        let differ = |known: &[String], names: &[&str]| !known.iter().eq(names);
-        if differ(&self.bodies, &bodies) || differ(&self.obstacles, &obstacles) {
-            let owned = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
-            *self = Self { bodies: owned(bodies), obstacles: owned(obstacles) };
-        }
-    }
 }
 
-fn names(scene: &Scene) -> (Vec<&str>, Vec<&str>) {
-    let bodies = scene.bodies.iter().map(|body| body.name.as_str());
-    (bodies.collect(), scene.obstacles.iter().map(|obstacle| obstacle.name.as_str()).collect())
+fn moved(before: &[Known], now: &[Known], place: usize) -> Option<usize> {
+    // What was chosen before its list was seen is where it is.
+    let Some(thing) = before.get(place) else { return Some(place) };
+    by_name(before, now, &thing.name).or_else(|| by_neighbours(before, now, place))
 }
 
-/// Returns the place of a thing in a list from which things were taken out, or into which they were put, at one place; none where
-/// it was taken out. Lists that differ otherwise are of different scenes: the place stays.
-fn moved(before: &[String], now: &[&str], place: usize) -> Option<usize> {
-    let same = |(known, name): &(&String, &&str)| known.as_str() == **name;
-    let first = before.iter().zip(now).take_while(same).count();
-    let last = before.iter().rev().zip(now.iter().rev()).take_while(same).count();
+/// Returns the place of the thing of this name, if there was one of it and there is one now.
+fn by_name(before: &[Known], now: &[Known], name: &str) -> Option<usize> {
+    let only_place = |list: &[Known]| {
+        let mut places = (0..list.len()).filter(|&place| list[place].name == name);
+        places.next().filter(|_| !name.is_empty() && places.next().is_none())
+    };
+    only_place(before).and_then(|_| only_place(now))
+}
+
+/// Returns the place of a thing by what the two lists have in common at their beginnings and their ends.
+fn by_neighbours(before: &[Known], now: &[Known], place: usize) -> Option<usize> {
     let shorter = before.len().min(now.len());
-    if place >= before.len() || before.len() == now.len() || first + last < shorter || place < first {
+    let is_same = |(old, new): &(&Known, &Known)| old == new;
+    let first = before.iter().zip(now).take_while(is_same).count();
+    let last = before.iter().rev().zip(now.iter().rev()).take(shorter - first).take_while(is_same).count();
+    if place < first {
         return Some(place);
     }
-    if now.len() > before.len() {
+    if place + last >= before.len() {
         return Some(place + now.len() - before.len());
     }
-    let taken = before.len() - now.len();
-    (place >= first + taken).then(|| place - taken)
+    // Between them, a thing of which only a value is another is still the same.
+    let is_changed =
+        before.len() == now.len() && (first + last + 1 == shorter || before[place].name == now[place].name);
+    is_changed.then_some(place)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Things by their names, of which a digit is none, each with its own position.
+    fn list(names: &str) -> Vec<Known> {
+        let name = |letter: char| if letter.is_ascii_digit() { String::new() } else { letter.to_string() };
+        names.chars().map(|letter| Known { name: name(letter), position: [f64::from(u32::from(letter)); 3] }).collect()
+    }
+
+    fn places(before: &[Known], now: &[Known]) -> Vec<Option<usize>> {
+        (0..before.len()).map(|place| moved(before, now, place)).collect()
+    }
+
     #[test]
     fn places_follow_what_is_put_in_and_taken_out() {
-        let list = |names: &'static str| names.chars().map(String::from).collect::<Vec<_>>();
-        let to = |before: &'static str, now: &'static str| {
-            let (before, now) = (list(before), list(now));
-            let names: Vec<&str> = now.iter().map(String::as_str).collect();
-            (0..before.len()).map(|place| moved(&before, &names, place)).collect::<Vec<_>>()
-        };
+        let to = |before: &str, now: &str| places(&list(before), &list(now));
         assert_eq!(to("ac", "abc"), [Some(0), Some(2)], "one comes back between them");
         assert_eq!(to("abc", "ac"), [Some(0), None, Some(1)], "and goes");
         assert_eq!(to("abcd", "ad"), [Some(0), None, None, Some(1)], "two go");
         assert_eq!(to("ab", "abc"), [Some(0), Some(1)], "one is added at the end");
         assert_eq!(to("abc", "axc"), [Some(0), Some(1), Some(2)], "a name is another");
-        assert_eq!(to("ab", "xyz"), [Some(0), Some(1)], "another scene");
+        assert_eq!(to("bcd", "abc"), [Some(1), Some(2), None], "one comes and one goes");
+    }
+
+    #[test]
+    fn things_without_names_are_known_by_where_they_are() {
+        let to = |before: &str, now: &str| places(&list(before), &list(now));
+        assert_eq!(to("23", "123"), [Some(1), Some(2)], "one comes back before them");
+        assert_eq!(to("123", "13"), [Some(0), None, Some(1)], "and goes");
+        assert_eq!(to("123", "193"), [Some(0), Some(1), Some(2)], "one is elsewhere");
+        let mut twins = list("abc");
+        twins[1].name = "a".to_owned();
+        assert_eq!(places(&twins[1..], &twins), [Some(1), Some(2)], "nor by a name that two have");
     }
 }

@@ -7,7 +7,7 @@ use super::files::FilesState;
 use super::finding::Finding;
 use super::marked_box::MarkedBox;
 use super::modes_panel::{self, ModesPanel};
-use super::moved_places::KnownNames;
+use super::moved_places::KnownThings;
 use super::panels::Panels;
 use super::things;
 use super::widths::Widths;
@@ -54,8 +54,8 @@ pub struct UiState {
     pub theme: Theme,
     /// The selected thing.
     pub selection: Option<Target>,
-    /// The names of the things that can be selected.
-    pub known_names: KnownNames,
+    /// The things that could be selected last.
+    pub known_things: KnownThings,
     /// The size of the selected thing, for the camera to follow.
     pub chosen_size: ChosenSize,
     /// The thing to be selected as soon as it exists: the sandbox answers a few frames later.
@@ -132,7 +132,7 @@ impl UiState {
             frame: None,
             theme: Theme::default(),
             selection: None,
-            known_names: KnownNames::default(),
+            known_things: KnownThings::default(),
             chosen_size: ChosenSize::default(),
             awaited: None,
             next_scene_target: None,
@@ -202,6 +202,7 @@ impl UiState {
     /// Resets the state for another scene, and awaits the thing that comes with it.
     pub fn on_new_scene(&mut self) {
         (self.selection, self.awaited) = (None, self.next_scene_target.take());
+        (self.brush, self.renaming, self.known_things) = (None, None, KnownThings::default());
         self.chosen_size = ChosenSize::default();
         self.error_panel.forget();
         self.stability_panel.forget();
@@ -219,16 +220,17 @@ impl UiState {
     /// Selects the awaited thing when it has come, follows the chosen ones to other places in their lists, and deselects things
     /// that are gone.
     pub(super) fn follow(&mut self, scene: &Scene) {
-        if !self.known_names.are_as_many_as_in(scene) {
-            let moved = |target: Target| self.known_names.moved(scene, target);
+        let things = KnownThings::of(scene);
+        if things != self.known_things {
+            let moved = |target: Target| self.known_things.moved(&things, target);
             self.selection = self.selection.and_then(moved);
             self.brush = self.brush.and_then(|brush| match moved(Target::Body(brush.body)) {
                 Some(Target::Body(body)) => Some(Brush { body, ..brush }),
                 _ => None,
             });
             self.renaming = self.renaming.take().and_then(|(target, text)| Some((moved(target)?, text)));
+            self.known_things = things;
         }
-        self.known_names.update(scene);
         let there = |target: &Target| things::exists(scene, *target);
         let arrived = self.awaited.take_if(|awaited| there(awaited));
         if arrived.is_some() {
@@ -238,5 +240,41 @@ impl UiState {
         if self.renaming.as_ref().is_some_and(|(target, _)| !there(target)) {
             self.renaming = None;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Body;
+
+    #[test]
+    fn what_is_chosen_brushed_and_renamed_stays_so_at_another_place_and_goes_with_its_thing() {
+        let body = |x: f64| {
+            let mut body = Body::default();
+            body.pose.position[0] = x;
+            body
+        };
+        let scene = |places: &[f64]| Scene { bodies: places.iter().copied().map(body).collect(), ..Scene::default() };
+        let mut state = UiState::new(&[]);
+        state.follow(&scene(&[2.0, 3.0]));
+        let choose = |state: &mut UiState, id: BodyId| {
+            state.selection = Some(Target::Body(id));
+            state.brush = Some(Brush { body: id, change: CellChange::Erase });
+            state.renaming = Some((Target::Body(id), "Pudding".to_owned()));
+        };
+        let chosen = |state: &UiState| {
+            let renamed = state.renaming.as_ref().map(|(target, _)| *target);
+            (state.selection, state.brush.map(|brush| Target::Body(brush.body)), renamed)
+        };
+        choose(&mut state, BodyId(1));
+        state.follow(&scene(&[1.0, 2.0, 3.0]));
+        let third = Some(Target::Body(BodyId(2)));
+        assert_eq!(chosen(&state), (third, third, third), "another comes back before it");
+        state.follow(&scene(&[1.0, 2.0]));
+        assert_eq!(chosen(&state), (None, None, None), "it is gone");
+        choose(&mut state, BodyId(0));
+        state.on_new_scene();
+        assert_eq!(chosen(&state), (None, None, None), "nothing is chosen in another scene");
     }
 }
