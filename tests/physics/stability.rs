@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use gelatin::math::rng::Rng;
-use gelatin::physics::{Stage, StageTimer, Strain};
+use gelatin::physics::{Stage, StageTimer};
 use gelatin::scene::material::Spring;
 use gelatin::scene::settings::{Integrator, Stepping};
 use gelatin::scene::{Body, Scene, Springs};
@@ -110,7 +110,7 @@ fn no_numbers_within_their_ranges_explode_a_jelly() {
 }
 
 #[test]
-fn a_substep_that_is_given_up_leaves_no_trace_in_bodies_that_are_strained_or_woken() {
+fn a_substep_that_is_given_up_leaves_no_trace_in_bodies_that_are_woken() {
     let jelly = |position: [f64; 3], speed: f64| {
         let body = cube(4, 1.0, springs(60.0, 1.0, 0.01), position);
         Body { velocity: [0.0, -speed, 0.0], ..body }
@@ -121,7 +121,7 @@ fn a_substep_that_is_given_up_leaves_no_trace_in_bodies_that_are_strained_or_wok
     scene.obstacles.push(plane([0.0; 3], [0.0; 3], [0.5, 0.4]));
     scene.settings.sleeping = true;
     let [mut straight, mut stopped] = [(); 2].map(|()| simulate::<f32>(&scene));
-    let [mut given_up, mut strained, mut slept, mut woken] = [0; 4];
+    let [mut given_up, mut slept, mut woken] = [0; 3];
     for number in 0_u32.. {
         if straight.state().time_secs > 6.0 {
             break;
@@ -135,13 +135,10 @@ fn a_substep_that_is_given_up_leaves_no_trace_in_bodies_that_are_strained_or_wok
             stopped.substep(&mut ());
         }
         assert!(stopped.state() == straight.state(), "substep {number} is the same");
-        let is_strained = straight.state().bodies.iter().any(|body| body.strain > Strain::Small);
-        strained += u32::from(is_strained);
         slept += u32::from(asleep);
         woken += u32::from(asleep && !straight.state().bodies[0].asleep);
     }
-    let seen = [given_up, strained, slept, woken];
-    assert!(given_up > 1000 && strained > 100 && slept > 100 && woken > 0, "{seen:?}");
+    assert!(given_up > 1000 && slept > 100 && woken > 0, "{:?}", [given_up, slept, woken]);
 }
 
 /// A timer that gives up every step.
