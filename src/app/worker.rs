@@ -8,7 +8,7 @@ mod publish;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
@@ -80,9 +80,6 @@ pub struct Worker {
     slot: Arc<Slot>,
     opening: Arc<PendingWork>,
     making: Arc<PendingWork>,
-    /// How many commands were sent, and the number of the last that changes the scene.
-    sent: AtomicU64,
-    last_change: AtomicU64,
 }
 
 #[derive(Debug)]
@@ -159,16 +156,11 @@ impl Worker {
                 }
             });
         });
-        let [sent, last_change] = [0, 0].map(AtomicU64::new);
-        Self { orders, urgent, hold, slot, opening, making, sent, last_change }
+        Self { orders, urgent, hold, slot, opening, making }
     }
 
     /// Sends a command. A worker that has ended ignores it.
     pub fn send(&self, command: Command) {
-        let number = self.sent.fetch_add(1, Ordering::Relaxed) + 1;
-        if command.changes_scene() {
-            self.last_change.store(number, Ordering::Relaxed);
-        }
         self.send_order(if command.replaces_scene() {
             // The last command to open a scene, and bodies being made, are no longer wanted.
             self.opening.cancel();
@@ -177,11 +169,6 @@ impl Worker {
         } else {
             Order::Do(command)
         });
-    }
-
-    /// Whether a change of the scene is under way that a snapshot with so many answers does not show.
-    pub fn awaits_change(&self, answers: u64) -> bool {
-        self.last_change.load(Ordering::Relaxed) > answers
     }
 
     /// The progress of opening a scene, if that takes long.
@@ -315,8 +302,6 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
         while let Some(order) = orders.next() {
             if !orders.peek().is_some_and(|next| next.supersedes(&order)) {
                 self.handle_order(order);
-            } else if matches!(order, Order::Do(_)) {
-                self.answers.count += 1;
             }
         }
         if gone { Err(WindowGone) } else { Ok(()) }

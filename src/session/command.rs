@@ -211,11 +211,6 @@ impl Command {
         )
     }
 
-    /// Whether it changes the scene, if it changes anything.
-    pub fn changes_scene(&self) -> bool {
-        self.makes_bodies() || matches!(self, Self::Teleport(..))
-    }
-
     /// Whether another scene takes the place of this one, so that unsaved changes would be lost.
     pub fn replaces_scene(&self) -> bool {
         match self {

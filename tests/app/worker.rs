@@ -182,23 +182,6 @@ fn a_status_is_built_once_a_frame_however_often_a_hand_moves() {
 }
 
 #[test]
-fn a_change_is_awaited_until_a_snapshot_shows_it() {
-    let bench = start(true, Duration::from_millis(200), false);
-    let first = bench.wait_for(|_| true);
-    assert!(!bench.worker.awaits_change(first.answers), "nothing was asked for");
-    for _ in 0..5 {
-        bench.worker.send(Command::Grab(None));
-        bench.worker.send(Command::Grab(None));
-        bench.worker.send(Command::Undo);
-    }
-    assert!(bench.worker.awaits_change(first.answers), "nothing is answered yet");
-    let last = bench.wait_for(|snapshot| snapshot.answers == 15);
-    assert!(!bench.worker.awaits_change(last.answers), "all are, those that later ones made superfluous too");
-    bench.worker.send(Command::Pause);
-    assert!(!bench.worker.awaits_change(last.answers), "no change of the scene");
-}
-
-#[test]
 fn a_paused_sandbox_that_nobody_touches_does_nothing() {
     let bench = start(false, Duration::ZERO, false);
     bench.wait_for(|_| true);

@@ -19,10 +19,6 @@ impl Shell {
         let value = self.value_under_pointer();
         let drawing = self.drawing.cost();
         let Self { context, snapshot, ui, failure, worker, .. } = self;
-        if let Some(snapshot) = snapshot {
-            // A change that the sandbox has not made yet would be lost, too.
-            snapshot.status.unsaved |= worker.awaits_change(snapshot.answers);
-        }
         let (opening, making) = (worker.opening(), worker.making());
         let running = snapshot.as_ref().map(running);
         let (opening, making) = (opening.as_deref(), making.as_deref());

@@ -54,7 +54,7 @@ pub struct Snapshot {
     pub scene: Arc<Scene>,
     /// Counts the scenes opened: when it grows, the camera starts anew.
     pub generation: u64,
-    /// Counts the commands answered, those included that a later one made superfluous.
+    /// Counts the commands answered.
     pub answers: u64,
 }
 
