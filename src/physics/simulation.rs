@@ -209,8 +209,12 @@ impl<R: Real> Simulation<R> {
         if !self.state.sweeps.is_empty() {
             self.wake_all();
         }
-        if self.model.has_moving_obstacle() {
+        let moves = self.model.has_moving_obstacle();
+        // Where obstacles come in the substep decides whom they wake, and how it is divided.
+        if moves || self.plan.on_mesh.is_some() || self.plan.at_obstacles.is_some() {
             self.obstacles.place(&self.model, &self.state, self.plan.substep_secs());
+        }
+        if moves {
             sleep::wake_near_moving(&self.model, self.obstacles.all(), &mut self.state);
         }
         for approach in self.state.approaches.iter().filter(|approach| !approach.waits) {

@@ -1,12 +1,12 @@
-//! Where things of a list are after some were put into it or taken out of it, by undo or otherwise. What is chosen is known by its
-//! place in the list.
+//! Where things of a list are after some were put into it or taken out of it, by undo or otherwise. What is chosen is known by
+//! its place in the list.
 
 use crate::app::hand::Target;
 use crate::scene::Scene;
 use crate::scene::edit::{BodyId, ObstacleId};
 
 /// The bodies and the obstacles of a scene, as far as is needed to find them again.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct KnownThings {
     bodies: Vec<Known>,
     obstacles: Vec<Known>,
@@ -26,6 +26,18 @@ impl KnownThings {
         let obstacles = scene.obstacles.iter();
         let obstacles = obstacles.map(|thing| Known { name: thing.name.clone(), position: thing.shape.center() });
         Self { bodies: bodies.collect(), obstacles: obstacles.collect() }
+    }
+
+    /// Whether these are the things of a scene, as they are now.
+    pub(super) fn are_of(&self, scene: &Scene) -> bool {
+        let is = |known: &Known, name: &str, position: [f64; 3]| {
+            known.name == name && known.position.map(f64::to_bits) == position.map(f64::to_bits)
+        };
+        let [bodies, obstacles] = [&self.bodies, &self.obstacles];
+        bodies.len() == scene.bodies.len()
+            && obstacles.len() == scene.obstacles.len()
+            && bodies.iter().zip(&scene.bodies).all(|(known, body)| is(known, &body.name, body.pose.position))
+            && obstacles.iter().zip(&scene.obstacles).all(|(known, thing)| is(known, &thing.name, thing.shape.center()))
     }
 
     /// Returns what one of these things is among those that are there now; none where it is gone.

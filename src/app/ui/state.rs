@@ -220,8 +220,8 @@ impl UiState {
     /// Selects the awaited thing when it has come, follows the chosen ones to other places in their lists, and deselects things
     /// that are gone.
     pub(super) fn follow(&mut self, scene: &Scene) {
-        let things = KnownThings::of(scene);
-        if things != self.known_things {
+        if !self.known_things.are_of(scene) {
+            let things = KnownThings::of(scene);
             let moved = |target: Target| self.known_things.moved(&things, target);
             self.selection = self.selection.and_then(moved);
             self.brush = self.brush.and_then(|brush| match moved(Target::Body(brush.body)) {

@@ -66,9 +66,6 @@ pub(super) fn advance<R: Real>(
     let mut recorder = Recorder::new(timer);
     workspace.contact.bodies.pushed_pairs.clear();
     workspace.remember_memories(&state.bodies);
-    if plan.on_mesh.is_some() || plan.at_obstacles.is_some() {
-        obstacles.place(model, state, plan.substep_secs());
-    }
     let hand_pulls = grab.is_some_and(|grab| !state.bodies[grab.body].asleep);
     let mut division = Division::of(model, plan, state, (obstacles, hand_pulls), workspace);
     let mut ending = Ending::Taken;

@@ -25,8 +25,8 @@ pub(super) struct Clearances<R: Real> {
     positions: Vec<R::Vec3>,
     /// Bounding boxes of the obstacles, m.
     obstacles: Vec<Aabb<f64>>,
-    /// How far particles and obstacles together may move until a point of the cell may meet an obstacle, m, by cell; negative where it may
-    /// already.
+    /// How far particles and obstacles together may move until a point of the cell may meet an obstacle, m, by cell; negative where
+    /// it may already.
     of_cells: Vec<f64>,
 }
 
