@@ -11,7 +11,7 @@ use super::report_merge::{self, MergeArgs};
 use super::report_options::{ReportForm, ReportOptions};
 #[cfg(feature = "peers")]
 use super::report_peers;
-use super::report_speed::{self, SpeedArgs};
+use super::report_speed;
 use super::report_stability::{self, StabilityArgs};
 
 /// The measurement to make.
@@ -34,9 +34,9 @@ enum Report {
     /// (stability.md, .csv, .svg, the random scenes that failed); without a SCENE, on cases of its own and random scenes,
     /// with a map of the border over stiffness and damping, contact and friction, and what the thesis saw fail.
     Stability(StabilityArgs),
-    /// How fast a step is, at every level of vector instructions and by several threads, beside a plain loop, and scenes
-    /// beside real time (speed.md, .csv, .svg).
-    Speed(SpeedArgs),
+    /// How fast scenes are beside real time (speed.md, .csv, .svg); without a SCENE, some of its own, and how fast a step of a
+    /// cube is, at every level of vector instructions and by several threads, beside a plain loop.
+    Speed(ReportOptions),
     /// How fast and how exact another engine's soft body is on the same cube, tuned to hang as low as ours (peers.md, .csv,
     /// .svg); only in a build with the feature `peers`.
     Peers(ReportForm),
@@ -50,7 +50,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
         Report::Cost(options) => report_cost::run(options),
         Report::Error(args) => report_error::run(args),
         Report::Stability(args) => report_stability::run(args),
-        Report::Speed(args) => report_speed::run(args),
+        Report::Speed(options) => report_speed::run(options),
         #[cfg(feature = "peers")]
         Report::Peers(form) => report_peers::run(form),
         #[cfg(not(feature = "peers"))]

@@ -4,36 +4,23 @@ use std::num::NonZero;
 use std::thread::available_parallelism;
 
 use anyhow::{Context, anyhow};
-use clap::Args;
 
 use super::Failure;
 use super::out::{self, Progress};
-use super::report_options::ReportForm;
-use super::scene_args::start_threads;
+use super::report_options::{ReportOptions, Subject};
 use super::speed_plot;
-use crate::report::speed::{Effort, measure, words};
-
-/// How the speed is measured and printed.
-#[derive(Debug, Args)]
-pub(super) struct SpeedArgs {
-    #[command(flatten)]
-    form: ReportForm,
-    /// Threads of the rows that have several; 0 takes all cores.
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
-    threads: u16,
-}
+use crate::report::speed::scenes::TimedScene;
+use crate::report::speed::{Effort, SpeedFigures, measure, measure_scenes, words};
 
 /// Measures, prints, and fails if instructions or threads change the motion.
-pub(super) fn run(args: &SpeedArgs) -> Result<(), Failure> {
+pub(super) fn run(options: &ReportOptions) -> Result<(), Failure> {
     let files = ["speed.md", "speed.csv", "speed_scenes.csv", "speed.svg"];
-    let folder = args.form.folder(&files)?;
-    // The report makes its own pool for the threads of steps.
-    start_threads(1)?;
-    let all = available_parallelism().map_or(1, NonZero::get);
-    let threads = if args.threads == 0 { all } else { usize::from(args.threads) };
-    let effort = args.form.full_or_quick([Effort::FULL, Effort::QUICK]);
-    let found = measure(effort, threads, &Progress::new("cubes"));
-    let figures = found.context("a cube cannot be made")?.context("the measurement did not end")?;
+    let folder = options.form.folder(&files)?;
+    if options.given.is_empty() {
+        options.changes.check_nothing_is_set("without a SCENE, cubes and scenes of the report's own are timed")?;
+    }
+    options.changes.start_threads()?;
+    let figures = figures(options)?;
     let text = words::markdown(&figures);
     if let Some(folder) = folder {
         let [page, table, scenes, plot] = files.map(|name| folder.join(name));
@@ -42,7 +29,7 @@ pub(super) fn run(args: &SpeedArgs) -> Result<(), Failure> {
         out::write(&scenes, words::scenes_csv(&figures.scenes).as_bytes())?;
         out::write(&plot, speed_plot::svg(&figures)?.as_bytes())?;
     }
-    if args.form.json {
+    if options.form.json {
         out::json(&serde_json::to_value(&figures)?)?;
     } else {
         out::figures(text.trim_end())?;
@@ -51,4 +38,17 @@ pub(super) fn run(args: &SpeedArgs) -> Result<(), Failure> {
         Some(words) => Err(anyhow!("{words}; see the report").into()),
         None => Ok(()),
     }
+}
+
+fn figures(options: &ReportOptions) -> Result<SpeedFigures, Failure> {
+    let all = available_parallelism().map_or(1, NonZero::get);
+    let threads = options.changes.threads().map_or(all, NonZero::get);
+    let effort = options.form.full_or_quick([Effort::FULL, Effort::QUICK]);
+    if options.given.is_empty() {
+        let found = measure(effort, threads, options.changes.simd_level(), &Progress::new("cubes"));
+        return Ok(found.context("a cube cannot be made")?.context("the measurement did not end")?);
+    }
+    let timed = |Subject { name, scene, lattices }: Subject| TimedScene::from_start(name, scene, lattices);
+    let scenes: Vec<_> = options.subjects(Vec::new)?.into_iter().map(timed).collect();
+    Ok(measure_scenes(&scenes, effort, threads))
 }

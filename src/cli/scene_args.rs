@@ -1,6 +1,7 @@
 //! The scene that a command works on: a preset, a scene file or a model, with values set on the command line.
 
 use std::ffi::{OsStr, OsString};
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
@@ -55,8 +56,8 @@ pub(super) struct Changes {
     /// The most memory that the scene may need, GB; without it, what the machine has free.
     #[arg(long, value_name = "GB", allow_negative_numbers = true, value_parser = gigabytes)]
     memory: Option<f64>,
-    /// Threads that fill models with cells, take runs side by side, and with run, render and the window the steps of a
-    /// simulation; 0 takes all cores, except for two that the window keeps for drawing. A body too small for so many threads
+    /// Threads that fill models with cells, take runs side by side, and with run, render, report speed and the window the
+    /// steps of a simulation; 0 takes all cores, except for two that the window keeps for drawing. A body too small for so many threads
     /// gets fewer. The results are the same with any number.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
@@ -183,8 +184,20 @@ impl Changes {
         if let Some(gigabytes) = self.memory {
             machine::allow_memory((gigabytes * 1e9) as u64);
         }
-        choose_simd(&self.simd)?;
+        if let Some(name) = self.simd_level() {
+            choose_simd(name)?;
+        }
         start_threads(self.threads)
+    }
+
+    /// The number of threads that was asked for; none for all cores.
+    pub(super) fn threads(&self) -> Option<NonZero<usize>> {
+        NonZero::new(usize::from(self.threads))
+    }
+
+    /// The name of the vector instructions that were asked for; none for the widest.
+    pub(super) fn simd_level(&self) -> Option<&str> {
+        Some(self.simd.as_str()).filter(|name| *name != "auto")
     }
 
     /// Makes simulations of the process take their steps by as many threads as were asked for, while a window is drawn.
@@ -211,7 +224,7 @@ pub(super) fn start_threads(count: u16) -> Result<(), Failure> {
 
 /// Chooses the vector instructions that work out forces, or refuses in words.
 fn choose_simd(name: &str) -> Result<(), Failure> {
-    if name == "auto" || choose_simd_level(name) {
+    if choose_simd_level(name) {
         return Ok(());
     }
     let has = simd_levels().join(" and ");

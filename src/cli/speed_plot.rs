@@ -19,7 +19,11 @@ const SIZE: [u32; 2] = [900, 520];
 
 /// The picture.
 pub(super) fn svg(figures: &SpeedFigures) -> Result<String> {
-    panels(&[Panel::Cubes(figures), Panel::Scenes(&figures.scenes)], SIZE, 1, |area, panel| match panel {
+    let mut shown = vec![Panel::Scenes(&figures.scenes)];
+    if !figures.rows.is_empty() {
+        shown.insert(0, Panel::Cubes(figures));
+    }
+    panels(&shown, SIZE, 1, |area, panel| match panel {
         Panel::Cubes(figures) => cubes(area, figures),
         Panel::Scenes(scenes) => beside_real_time(area, scenes),
     })
@@ -52,7 +56,7 @@ fn beside_real_time(area: &Area<'_>, scenes: &[SceneSpeed]) -> Drawn {
     for (speed, top) in scenes.iter().zip((0..).map(|place: i32| BARS_TOP + place * pitch)) {
         let (middle, low) = (top + (pitch - 8) / 2, top + pitch - 8);
         let SceneSpeed { scene, threads, real_time_factor, meeting, .. } = speed;
-        let name = if *threads > 1 { format!("{scene}, {threads} threads") } else { (*scene).to_owned() };
+        let name = if *threads > 1 { format!("{scene}, {threads} threads") } else { scene.clone() };
         area.draw(&Text::new(name, (begin - 8, middle), right.clone()))?;
         let far = across(*real_time_factor);
         area.draw(&Rectangle::new([(begin, top), (far, low)], COLORS[0].mix(0.5).filled()))?;

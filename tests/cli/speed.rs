@@ -1,5 +1,7 @@
 //! The speed of a step, by instructions and threads.
 
+use serde_json::{Value, json};
+
 use crate::bad_input::{USAGE, refused};
 use crate::program::Folder;
 
@@ -38,8 +40,35 @@ fn every_way_to_take_a_step_is_timed_beside_the_naive_loop_and_gives_the_same_bi
 }
 
 #[test]
-fn threads_that_are_none_are_refused() {
+fn the_scenes_that_are_named_are_timed_and_no_cubes() {
+    let folder = Folder::new();
+    let values = "--set bodies.0.shape.cube.cells=2 --threads 1 --simd portable";
+    let report = folder.json(&format!("report speed cube-on-plane newton {values} --quick --json -o made"));
+    assert_eq!((&report["rows"], &report["largest_real_time_n"]), (&json!([]), &Value::Null));
+    let scenes = report["scenes"].as_array().expect("scenes");
+    let names: Vec<_> = scenes.iter().map(|scene| (&scene["scene"], &scene["threads"])).collect();
+    assert_eq!(names, [(&json!("cube-on-plane"), &json!(1)), (&json!("newton"), &json!(1))]);
+    assert_eq!(scenes[0]["particles"], 27, "the value that was set: {report}");
+    assert!(scenes[1]["meeting"]["bodies"].as_u64() > Some(1), "{report}");
+    let written = |name: &str| std::fs::read_to_string(folder.path(&format!("made/{name}"))).expect(name);
+    let page = written("speed.md");
+    assert!(page.contains("| cube-on-plane | 27 | 1 |") && !page.contains("a link"), "{page}");
+    assert_eq!(written("speed.csv").lines().count(), 1, "no cubes");
+    let plot = written("speed.svg");
+    assert!(plot.contains("newton") && !plot.contains("A step of a free cube"), "{plot}");
+}
+
+#[test]
+fn cubes_are_timed_by_the_instructions_that_are_named() {
+    let report = Folder::new().json("report speed --quick --threads 1 --simd portable --json");
+    let rows = report["rows"].as_array().expect("rows");
+    assert!(rows.len() == 4 && rows.iter().all(|row| row["simd"] == "portable"), "{rows:?}");
+}
+
+#[test]
+fn what_cannot_be_timed_is_refused() {
     let folder = Folder::new();
     refused(&folder, "report speed --threads -1", USAGE, &["-1"]);
-    refused(&folder, "report speed coupler-40", USAGE, &["coupler-40"]);
+    refused(&folder, "report speed coupler-41", USAGE, &["coupler-41", "coupler-40"]);
+    refused(&folder, "report speed --set settings.gravity=1", USAGE, &["SCENE", "--set"]);
 }

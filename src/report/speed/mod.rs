@@ -15,7 +15,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
 use self::naive::Naive;
-use self::scenes::SceneSpeed;
+use self::scenes::{SceneSpeed, TimedScene};
 use super::cost::noise::{Change, median};
 use crate::geometry::Watch;
 use crate::machine::threads::kept_awake;
@@ -85,8 +85,9 @@ pub struct SpeedFigures {
     pub rows: Vec<SpeedRow>,
     /// Peak of one thread at the widest level.
     pub peak_gflops_fma: f64,
-    /// The largest cube for which an undivided step of 1 ms takes no more than 1 ms, as particles along an edge.
-    pub largest_real_time_n: u32,
+    /// The largest cube for which an undivided step of 1 ms takes no more than 1 ms, as particles along an edge; none
+    /// where no cubes were timed.
+    pub largest_real_time_n: Option<u32>,
     /// Time per link of a ring that fills a tenth of its box over that of a cube that fills it; none with `--quick`.
     pub ring_over_cube: Option<f64>,
     pub scenes: Vec<SceneSpeed>,
@@ -106,13 +107,28 @@ impl SpeedFigures {
     }
 }
 
-/// Measures with up to `threads` threads; none where `watch` cancels.
+/// Times given scenes from their start, with up to `threads` threads.
+pub fn measure_scenes(scenes: &[TimedScene], effort: Effort, threads: usize) -> SpeedFigures {
+    let pool = steps_pool(threads);
+    let scenes = scenes::measure(scenes, effort.scene_secs, threads, pool.as_ref());
+    let peak_gflops_fma = peak_gflops(SimdLevel::best());
+    SpeedFigures { rows: Vec::new(), peak_gflops_fma, largest_real_time_n: None, ring_over_cube: None, scenes }
+}
+
+/// Times cubes and the scenes of the report itself, with up to `threads` threads; none where `watch` cancels. Of the
+/// machine's levels of vector instructions the cubes take all, or the one called `only`.
 ///
 /// # Errors
 /// If a shape cannot be made: a fault of this program.
-pub fn measure(effort: Effort, threads: usize, watch: &dyn Watch) -> Result<Option<SpeedFigures>, ResolveError> {
-    let levels: Vec<_> = SimdLevel::ALL.into_iter().filter(|level| level.is_available()).collect();
-    let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build().ok();
+pub fn measure(
+    effort: Effort,
+    threads: usize,
+    only: Option<&str>,
+    watch: &dyn Watch,
+) -> Result<Option<SpeedFigures>, ResolveError> {
+    let is_wanted = |level: &SimdLevel| level.is_available() && only.is_none_or(|only| level.name() == only);
+    let levels: Vec<_> = SimdLevel::ALL.into_iter().filter(is_wanted).collect();
+    let pool = steps_pool(threads);
     let peak = peak_gflops(SimdLevel::best());
     let mut rows = Vec::new();
     let stages = effort.sizes.len() + 2;
@@ -132,9 +148,14 @@ pub fn measure(effort: Effort, threads: usize, watch: &dyn Watch) -> Result<Opti
     let is_full = effort.sizes.contains(&64);
     let ring_over_cube = if is_full { Some(ring_over_cube(effort.min_links)?) } else { None };
     watch.progress((stages - 1) as f64 / stages as f64);
-    let scenes = scenes::measure(effort.scene_secs, threads, pool.as_ref())?;
-    let largest_real_time_n = largest_real_time_n(&rows);
+    let scenes = scenes::measure(&TimedScene::own()?, effort.scene_secs, threads, pool.as_ref());
+    let largest_real_time_n = Some(largest_real_time_n(&rows));
     Ok(Some(SpeedFigures { rows, peak_gflops_fma: peak, largest_real_time_n, ring_over_cube, scenes }))
+}
+
+/// Threads for the steps alone: the rows of one thread must not find others at work.
+fn steps_pool(threads: usize) -> Option<ThreadPool> {
+    ThreadPoolBuilder::new().num_threads(threads.max(1)).build().ok()
 }
 
 /// How a simulation takes its steps.
@@ -328,7 +349,13 @@ mod tests {
     }
 
     fn figures(rows: Vec<SpeedRow>) -> SpeedFigures {
-        SpeedFigures { rows, peak_gflops_fma: 100.0, largest_real_time_n: 40, ring_over_cube: None, scenes: Vec::new() }
+        SpeedFigures {
+            rows,
+            peak_gflops_fma: 100.0,
+            largest_real_time_n: Some(40),
+            ring_over_cube: None,
+            scenes: Vec::new(),
+        }
     }
 
     #[test]

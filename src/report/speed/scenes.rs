@@ -1,11 +1,13 @@
 //! Scenes beside real time: from their start, as a person sees them who opens them; bodies that meet, from when they meet.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::ThreadPool;
 use serde::Serialize;
 
+use crate::geometry::Lattice;
 use crate::machine::threads::kept_awake;
 use crate::physics::{Simulation, StepReport};
 use crate::report::timer::WallTimer;
@@ -19,11 +21,41 @@ const MAX_SIMULATED_SECS: f64 = 1.5;
 const PILE_SCENE: &str = "pile";
 const PILE_SETTLING_SECS: f64 = 1.5;
 
+/// A scene to be timed, with the cells of its bodies.
+#[derive(Clone, Debug)]
+pub struct TimedScene {
+    name: String,
+    scene: Scene,
+    lattices: Vec<Arc<Lattice>>,
+    /// How long it runs before it is timed, s.
+    settling_secs: f64,
+}
+
+impl TimedScene {
+    /// Describes a scene that is timed from its start.
+    pub fn from_start(name: String, scene: Scene, lattices: Vec<Arc<Lattice>>) -> Self {
+        Self { name, scene, lattices, settling_secs: 0.0 }
+    }
+
+    /// Makes the scenes of the report itself.
+    pub(super) fn own() -> Result<Vec<Self>, ResolveError> {
+        let timed = |(name, scene): (&str, Scene)| {
+            let mut lattices = Vec::new();
+            for body in &scene.bodies {
+                lattices.push(resolve(&body.shape, Path::new("."), &())?.lattice);
+            }
+            let settling_secs = if name == PILE_SCENE { PILE_SETTLING_SECS } else { 0.0 };
+            Ok(Self { name: name.to_owned(), scene, lattices, settling_secs })
+        };
+        scenes().into_iter().map(timed).collect()
+    }
+}
+
 /// How fast a scene is.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names are the keys of the command line's JSON")]
 pub struct SceneSpeed {
-    pub scene: &'static str,
+    pub scene: String,
     pub particles: usize,
     pub threads: usize,
     pub simulated_secs: f64,
@@ -49,31 +81,26 @@ pub struct BodyContactSpeed {
 
 /// Runs each scene for some time of the wall clock, on one thread and on as many as are worthwhile.
 pub(super) fn measure(
+    scenes: &[TimedScene],
     wall_secs: f64,
     threads: usize,
     pool: Option<&ThreadPool>,
-) -> Result<Vec<SceneSpeed>, ResolveError> {
+) -> Vec<SceneSpeed> {
     let mut speeds = Vec::new();
-    for (name, scene) in scenes() {
-        let mut lattices = Vec::new();
-        for body in &scene.bodies {
-            lattices.push(resolve(&body.shape, Path::new("."), &())?.lattice);
-        }
-        let mut start = Simulation::<f32>::new(&scene, &lattices);
-        if name == PILE_SCENE {
-            start.run_for(PILE_SETTLING_SECS);
-        }
+    for TimedScene { name, scene, lattices, settling_secs } in scenes {
+        let mut start = Simulation::<f32>::new(scene, lattices);
+        start.run_for(*settling_secs);
         speeds.push(speed(name, start.clone(), 1, None, wall_secs));
         let threads = start.threads_worth(threads);
         if let Some(pool) = pool.filter(|_| threads > 1) {
             speeds.push(speed(name, start, threads, Some(pool), wall_secs));
         }
     }
-    Ok(speeds)
+    speeds
 }
 
 fn speed(
-    scene: &'static str,
+    scene: &str,
     mut simulation: Simulation<f32>,
     threads: usize,
     pool: Option<&ThreadPool>,
@@ -96,7 +123,8 @@ fn speed(
     let (wall, simulated_secs) = (begin.elapsed().as_secs_f64(), passed(&simulation));
     let particles = simulation.model().particle_count();
     let meeting = body_contact_speed(simulation.model().bodies.len(), &report, &timer, wall);
-    SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor: simulated_secs / wall, meeting }
+    let real_time_factor = simulated_secs / wall;
+    SceneSpeed { scene: scene.to_owned(), particles, threads, simulated_secs, real_time_factor, meeting }
 }
 
 /// Contact between a number of bodies over some time of the wall clock, s.

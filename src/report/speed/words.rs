@@ -15,7 +15,33 @@ pub fn markdown(figures: &SpeedFigures) -> String {
 }
 
 fn write_page(text: &mut String, figures: &SpeedFigures) -> std::fmt::Result {
-    let SpeedFigures { peak_gflops_fma, largest_real_time_n, .. } = figures;
+    if !figures.rows.is_empty() {
+        write_cubes(text, figures)?;
+    }
+    let start = if figures.rows.is_empty() {
+        "From the start"
+    } else {
+        "From the start, a pile from when its bodies lie on each other"
+    };
+    writeln!(
+        text,
+        "\n## Scenes\n\n{start}; steps divided as they must be, with nothing drawn.\n\n\
+         | scene | particles | threads | simulated, s | × real time |\n|---|---|---|---|---|"
+    )?;
+    for speed in &figures.scenes {
+        let SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor, .. } = speed;
+        // This shows three digits of a value that may be hundreds or hundredths.
+        let digits = if *real_time_factor < 1.0 { 3 } else { usize::from(*real_time_factor < 10.0) };
+        writeln!(text, "| {scene} | {particles} | {threads} | {simulated_secs:.2} | {real_time_factor:.digits$} |")?;
+    }
+    if figures.scenes.iter().any(|speed| speed.meeting.is_some()) {
+        write_meeting(text, &figures.scenes)?;
+    }
+    Ok(())
+}
+
+fn write_cubes(text: &mut String, figures: &SpeedFigures) -> std::fmt::Result {
+    let SpeedFigures { peak_gflops_fma, .. } = figures;
     writeln!(
         text,
         "\nWhole steps of a cube that is free in space, n particles along an edge, beside the loop that everybody writes \
@@ -39,11 +65,12 @@ fn write_page(text: &mut String, figures: &SpeedFigures) -> std::fmt::Result {
             100.0 * row.fraction_of_peak
         )?;
     }
-    writeln!(
-        text,
-        "\nThe largest cube whose undivided steps of 1 ms take no longer than that: {largest_real_time_n} particles along \
-         an edge."
-    )?;
+    if let Some(n) = figures.largest_real_time_n {
+        writeln!(
+            text,
+            "\nThe largest cube whose undivided steps of 1 ms take no longer than that: {n} particles along an edge."
+        )?;
+    }
     if let Some(ratio) = figures.ring_over_cube {
         writeln!(
             text,
@@ -53,18 +80,7 @@ fn write_page(text: &mut String, figures: &SpeedFigures) -> std::fmt::Result {
     if let Some(words) = figures.defect() {
         writeln!(text, "\n**{words}**")?;
     }
-    writeln!(
-        text,
-        "\n## Scenes\n\nFrom the start, a pile from when its bodies lie on each other; steps divided as they must be, with nothing drawn.\n\n\
-         | scene | particles | threads | simulated, s | × real time |\n|---|---|---|---|---|"
-    )?;
-    for speed in &figures.scenes {
-        let SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor, .. } = speed;
-        // This shows three digits of a value that may be hundreds or hundredths.
-        let digits = if *real_time_factor < 1.0 { 3 } else { usize::from(*real_time_factor < 10.0) };
-        writeln!(text, "| {scene} | {particles} | {threads} | {simulated_secs:.2} | {real_time_factor:.digits$} |")?;
-    }
-    write_meeting(text, &figures.scenes)
+    Ok(())
 }
 
 fn write_meeting(text: &mut String, scenes: &[SceneSpeed]) -> std::fmt::Result {
