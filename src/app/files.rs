@@ -13,7 +13,7 @@ use super::ui::files::{FileRequest, FilesState, FoundDraft, Work};
 use super::worker::Snapshot;
 use crate::scene::Scene;
 use crate::scene::view_settings::CameraSettings;
-use crate::session::Command;
+use crate::session::{Command, Status};
 
 /// An unsaved change is kept as a draft after this time.
 const DRAFT_DELAY: Duration = Duration::from_secs(1);
@@ -69,9 +69,9 @@ impl Files {
         files
     }
 
-    /// Takes note of a new snapshot, seen by `camera`.
-    pub(super) fn on_snapshot(&mut self, snapshot: &Snapshot, camera: CameraSettings, ui: &mut FilesState) {
-        let Snapshot { status, scene, .. } = snapshot;
+    /// Takes note of a new snapshot.
+    pub(super) fn on_snapshot(&mut self, snapshot: &Snapshot, ui: &mut FilesState) {
+        let status = &snapshot.status;
         if status.file != self.file {
             self.file.clone_from(&status.file);
             if let Some(file) = &self.file {
@@ -90,6 +90,10 @@ impl Files {
                 self.offer(ui);
             }
         }
+    }
+
+    /// Keeps a scene with unsaved changes, seen by `camera`, as a draft.
+    pub(super) fn keep_draft(&mut self, status: &Status, scene: &Arc<Scene>, camera: CameraSettings) {
         let Some(keeper) = &self.keeper else { return };
         if !status.unsaved {
             if self.kept.take().is_some() {

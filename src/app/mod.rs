@@ -32,6 +32,7 @@ mod processor_meter;
 mod recent;
 mod sentence;
 mod shell;
+mod unanswered;
 mod urgent_orders;
 mod wake;
 

@@ -31,17 +31,18 @@ use super::preferences::PreferencesFile;
 use super::sentence::sentence;
 use super::ui::files::FileAction;
 use super::ui::{self, Framing, UiState};
+use super::unanswered::{Change, Unanswered};
 use super::wake::Wake;
 use super::worker::{Snapshot, Worker, WorkerError};
 use super::{kept_file, theme};
 use crate::extract;
 use crate::scene::{ColorBy, Scene, presets};
-use crate::session::Status;
 use crate::session::document::Opened;
 use crate::session::error_curve::{ErrorCurve, error_curve};
 use crate::session::modes::{BodyModes, body_modes};
 use crate::session::stability_map::{MapOf, PlaneShown, StabilityMap, stability_map};
 use crate::session::wanted_modes::FoundModes;
+use crate::session::{Command, Status};
 use crate::view::Orbit;
 
 /// The window's size at the start, points.
@@ -78,12 +79,15 @@ pub(super) struct Shell {
     awaited_job: BackgroundJob<FoundModes>,
     preferences: PreferencesFile,
     snapshot: Option<Snapshot>,
+    unanswered: Unanswered,
+    /// The title of the window: the name of the scene, and whether it has unsaved changes.
+    titled: Option<(String, bool)>,
     orbit: Orbit,
     /// The thing that the eye follows, and the last place of its middle, m.
     followed: Option<(Target, Vec3)>,
     input: Input,
-    /// The number of commands answered in the picture that the brush last touched.
-    brushed_at: Option<u64>,
+    /// The number of the last command of the brush.
+    brushed: Option<u64>,
     hand: Hand,
     handles: Handles,
     ui: UiState,
@@ -132,10 +136,12 @@ impl Shell {
             awaited_job: BackgroundJob::default(),
             preferences,
             snapshot: None,
+            unanswered: Unanswered::default(),
+            titled: None,
             orbit: Orbit::default(),
             followed: None,
             input: Input::default(),
-            brushed_at: None,
+            brushed: None,
             hand: Hand::default(),
             handles: Handles::default(),
             ui,
@@ -215,7 +221,9 @@ impl Shell {
     }
 
     fn receive(&mut self) -> Result<(), ShellError> {
-        if let Some(snapshot) = self.worker.take() {
+        if let Some(mut snapshot) = self.worker.take() {
+            self.unanswered.forget_answered(snapshot.answered, &snapshot.scene);
+            snapshot.status.unsaved |= self.unanswered.is_unsaved();
             let old = self.snapshot.as_ref();
             if old.is_none_or(|old| old.generation != snapshot.generation) {
                 self.orbit = extract::view::orbit(&snapshot.scene.view.camera);
@@ -225,14 +233,10 @@ impl Shell {
             }
             // The field of view belongs to the scene; the place of the eye belongs to the window.
             self.orbit.fov_rad = extract::view::orbit(&snapshot.scene.view.camera).fov_rad;
-            let named = |status: &Status| (status.title.clone(), status.unsaved);
-            if old.is_none_or(|old| named(&old.status) != named(&snapshot.status)) {
-                let mark = if snapshot.status.unsaved { "• " } else { "" };
-                self.window.set_title(&format!("{mark}{} — Gelatin", snapshot.status.title));
-            }
-            self.files.on_snapshot(&snapshot, extract::view::camera_settings(&self.orbit), &mut self.ui.files);
-            let answered = old.is_none_or(|old| old.answers != snapshot.answers);
+            self.files.on_snapshot(&snapshot, &mut self.ui.files);
+            let answered = old.is_none_or(|old| old.answered != snapshot.answered);
             self.snapshot = Some(snapshot);
+            self.note_scene();
             self.follow();
             self.ask_for_snapshot(answered);
         }
@@ -251,9 +255,42 @@ impl Shell {
         }
     }
 
-    fn color_by(&self, color: ColorBy) {
-        if let Some(snapshot) = &self.snapshot {
-            self.worker.send(ui::color_command(&snapshot.scene.view, color));
+    /// Sends a command to the sandbox and returns its number.
+    fn send(&mut self, command: Command) -> u64 {
+        let change = Change::by(&command);
+        let number = self.worker.send(command);
+        if let (Some(change), Some(snapshot)) = (change, &mut self.snapshot) {
+            self.unanswered.note(number, change, &snapshot.scene);
+            snapshot.status.unsaved |= self.unanswered.is_unsaved();
+            self.note_scene();
+        }
+        self.ask_for_long_work();
+        number
+    }
+
+    /// The scene as it will be when the sandbox has answered.
+    fn expected_scene(&self) -> Option<&Arc<Scene>> {
+        self.snapshot.as_ref().map(|snapshot| self.unanswered.scene(&snapshot.scene))
+    }
+
+    /// Gives the title its mark if there are unsaved changes, and keeps them as a draft.
+    fn note_scene(&mut self) {
+        let Some(snapshot) = &self.snapshot else { return };
+        let named = (snapshot.status.title.clone(), snapshot.status.unsaved);
+        if self.titled.as_ref() != Some(&named) {
+            let (title, unsaved) = &named;
+            let mark = if *unsaved { "• " } else { "" };
+            self.window.set_title(&format!("{mark}{title} — Gelatin"));
+            self.titled = Some(named);
+        }
+        let camera = extract::view::camera_settings(&self.orbit);
+        self.files.keep_draft(&snapshot.status, self.unanswered.scene(&snapshot.scene), camera);
+    }
+
+    fn color_by(&mut self, color: ColorBy) {
+        if let Some(scene) = self.expected_scene() {
+            let command = ui::color_command(&scene.view, color);
+            self.send(command);
         }
     }
 
@@ -288,6 +325,7 @@ impl Shell {
             self.failure.clear();
             let opened = Opened { scene: Scene::clone(&scene), title, base_dir, file, unsaved, on_disk };
             self.worker = start_worker(&self.proxy, opened);
+            (self.unanswered, self.brushed) = (Unanswered::default(), None);
         }
     }
 
@@ -335,7 +373,9 @@ impl Shell {
         self.modes_job.handle_request(&mut self.ui.modes_panel.job, modes, wake.clone());
         self.find_awaited_modes(wake.clone());
         let outcome = self.files.handle_requests(&mut self.ui.files, wake);
-        outcome.commands.into_iter().for_each(|command| self.send(command));
+        for command in outcome.commands {
+            self.send(command);
+        }
         if outcome.quit {
             self.close(event_loop);
         }

@@ -8,7 +8,7 @@ mod publish;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
@@ -75,6 +75,8 @@ impl Sandbox for Session {
 #[derive(Debug)]
 pub struct Worker {
     orders: Sender<Order>,
+    /// The number of commands sent.
+    sent: AtomicU64,
     urgent: Arc<UrgentOrders>,
     hold: Arc<StepGate>,
     slot: Arc<Slot>,
@@ -84,9 +86,10 @@ pub struct Worker {
 
 #[derive(Debug)]
 enum Order {
-    Do(Command),
+    /// A command with its number.
+    Do(u64, Command),
     /// A command that replaces the scene.
-    Open(Command, Arc<Progress>),
+    Open(u64, Command, Arc<Progress>),
     Visible(bool),
     Drawing {
         interval: Duration,
@@ -98,7 +101,7 @@ impl Order {
     /// Whether a person waits for it, so that a long substep is given up.
     fn is_urgent(&self) -> bool {
         match self {
-            Self::Do(command) | Self::Open(command, _) => command.waits_for_no_substep(),
+            Self::Do(_, command) | Self::Open(_, command, _) => command.waits_for_no_substep(),
             Self::Visible(_) | Self::Drawing { .. } => false,
         }
     }
@@ -106,11 +109,12 @@ impl Order {
     /// Whether it makes the order just before it superfluous.
     fn supersedes(&self, before: &Self) -> bool {
         match (self, before) {
-            (Self::Do(Command::Edit(edit)), Self::Do(Command::Edit(before)))
-            | (Self::Do(Command::Drag(edit)), Self::Do(Command::Drag(before))) => edit.replaces_same_node_as(before),
-            (Self::Do(Command::Grab(_)), Self::Do(Command::Grab(_))) | (Self::Drawing { .. }, Self::Drawing { .. }) => {
-                true
+            (Self::Do(_, Command::Edit(edit)), Self::Do(_, Command::Edit(before)))
+            | (Self::Do(_, Command::Drag(edit)), Self::Do(_, Command::Drag(before))) => {
+                edit.replaces_same_node_as(before)
             }
+            (Self::Do(_, Command::Grab(_)), Self::Do(_, Command::Grab(_)))
+            | (Self::Drawing { .. }, Self::Drawing { .. }) => true,
             _ => false,
         }
     }
@@ -156,19 +160,21 @@ impl Worker {
                 }
             });
         });
-        Self { orders, urgent, hold, slot, opening, making }
+        Self { orders, sent: AtomicU64::new(0), urgent, hold, slot, opening, making }
     }
 
-    /// Sends a command. A worker that has ended ignores it.
-    pub fn send(&self, command: Command) {
+    /// Sends a command and returns its number, counted from 1. A worker that has ended ignores it.
+    pub fn send(&self, command: Command) -> u64 {
+        let number = self.sent.fetch_add(1, Ordering::Relaxed) + 1;
         self.send_order(if command.replaces_scene() {
             // The last command to open a scene, and bodies being made, are no longer wanted.
             self.opening.cancel();
             self.making.cancel();
-            Order::Open(command, self.opening.begin())
+            Order::Open(number, command, self.opening.begin())
         } else {
-            Order::Do(command)
+            Order::Do(number, command)
         });
+        number
     }
 
     /// The progress of opening a scene, if that takes long.
@@ -326,19 +332,19 @@ impl<S: Sandbox, W: Fn()> Loop<'_, S, W> {
                 self.publisher.set_interval(interval);
                 self.sandbox.note_drawing(share);
             }
-            Order::Do(command) => {
+            Order::Do(number, command) => {
                 self.publisher.note_change();
                 let follows = command.follows_others();
                 let outcome = self.run_command(command);
-                self.answers.count += 1;
+                self.answers.last = number;
                 if outcome.is_err() || !follows {
                     self.answers.failure = outcome.err().map(|error| sentence(&error));
                 }
             }
-            Order::Open(command, progress) => {
+            Order::Open(number, command, progress) => {
                 self.publisher.note_change();
                 let outcome = self.sandbox.handle(command, &progress);
-                self.answers.count += 1;
+                self.answers.last = number;
                 self.answers.failure = outcome.err().map(|error| sentence(&error));
                 if self.answers.failure.is_none() {
                     self.answers.generation += 1;

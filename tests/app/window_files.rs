@@ -7,6 +7,10 @@ use gelatin::app::ui::files::MAIN_FILL;
 use gelatin::scene::{Scene, presets};
 
 use super::window::{Window, alone};
+use super::worker_stop::HEAVY;
+
+/// A point of the view where a body in the middle is, pixels.
+const MIDDLE: [i32; 2] = [620, 420];
 
 #[test]
 fn a_scene_is_saved_edited_killed_and_recovered() {
@@ -101,6 +105,28 @@ fn values_given_at_the_start_are_an_unsaved_change_of_a_file_and_of_nothing_else
         drop(window);
         let window = Window::open(&format!("cube-on-plane {options}"), Some(folder.path()));
         window.wait_for("the title has no mark", |window| window.title() == "cube-on-plane — Gelatin");
+    });
+}
+
+#[test]
+fn two_changes_during_a_substep_of_seconds_are_both_made_and_the_first_is_unsaved_at_once() {
+    alone(|| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("tower.ron");
+        std::fs::write(&file, HEAVY).expect("a scene file");
+        let window = Window::open(&file.to_string_lossy(), Some(folder.path()));
+        window.click("1", MIDDLE);
+        window.key("h");
+        window.wait_for("the title has a mark", |window| window.title() == "• tower.ron — Gelatin");
+        window.key("F2");
+        window.key("ctrl+a");
+        window.type_text("Slow");
+        window.key("Return");
+        window.key("ctrl+s");
+        window.wait_for("it is saved", |window| window.title() == "tower.ron — Gelatin");
+        let text = std::fs::read_to_string(&file).expect("the scene file");
+        let saved = Scene::from_ron(&text, "tower.ron").expect("a scene");
+        assert!(saved.bodies[0].hidden && saved.bodies[0].name == "Slow", "{:?}", saved.bodies[0]);
     });
 }
 

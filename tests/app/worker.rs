@@ -178,7 +178,7 @@ fn a_status_is_built_once_a_frame_however_often_a_hand_moves() {
     let built = bench.statuses.load(Ordering::Relaxed) - before;
     let frames = begin.elapsed().as_millis() as usize / 16;
     assert!(built <= frames + 2, "{built} statuses in {frames} frames");
-    bench.wait_for(|snapshot| snapshot.answers == 300);
+    bench.wait_for(|snapshot| snapshot.answered == 300);
 }
 
 #[test]
@@ -197,7 +197,7 @@ fn what_is_at_rest_keeps_its_time_and_publishes_one_picture_of_it() {
     assert!(bench.wakes.recv_timeout(Duration::from_millis(400)).is_err(), "nothing more is published");
     assert!(bench.advances.load(Ordering::Relaxed) > before, "time goes on");
     bench.worker.send(Command::EndEdit);
-    bench.wait_for(|snapshot| snapshot.answers == 1);
+    bench.wait_for(|snapshot| snapshot.answered == 1);
 }
 
 #[test]
@@ -246,7 +246,7 @@ fn a_step_that_never_ends_is_given_up_for_who_waits_and_not_for_a_hand_that_move
     assert!(bench.wakes.recv_timeout(Duration::from_millis(300)).is_err(), "the step goes on");
     bench.worker.send(Command::Pause);
     let paused = bench.wait_for(|snapshot| !snapshot.status.playing);
-    assert_eq!(paused.answers, 2, "both are done");
+    assert_eq!(paused.answered, 2, "both are done");
     assert!(bench.advances.load(Ordering::Relaxed) > 0, "the step was given up");
     bench.worker.send(Command::Play);
     bench.wait_for(|snapshot| snapshot.status.playing);
@@ -279,7 +279,7 @@ fn a_refused_command_is_told_until_the_next_one_succeeds() {
     bench.worker.send(Command::Replace { scene: Box::new(bad), base_dir: path, title: "bad".into() });
     // Every edit sends this command after it.
     bench.worker.send(Command::EndEdit);
-    let told = bench.wait_for(|snapshot| snapshot.answers == 2);
+    let told = bench.wait_for(|snapshot| snapshot.answered == 2);
     assert!(told.status.message.contains("missing.obj"), "{}", told.status.message);
     assert_eq!(told.generation, 0, "the camera stays where it is");
     bench.worker.send(Command::Play);

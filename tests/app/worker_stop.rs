@@ -20,7 +20,7 @@ const SOON: Duration = Duration::from_millis(200);
 const PATIENCE: Duration = Duration::from_mins(2);
 
 /// A stiff cube that hangs by its top. The implicit integrator takes seconds for a substep of it.
-const HEAVY: &str = "(version: 1, bodies: [(shape: cube(cells: 70, size: 0.5), material: springs(structural: \
+pub(super) const HEAVY: &str = "(version: 1, bodies: [(shape: cube(cells: 70, size: 0.5), material: springs(structural: \
                      (stiffness: 1e4, damping: 0), shear: (stiffness: 1e7, damping: 250), bending: (stiffness: 5e3, \
                      damping: 60), particle_mass: 1e-3), pins: [(min: (-9, 0.2, -9), max: (9, 9, 9))])])";
 
@@ -66,7 +66,7 @@ fn opening_a_large_model_is_told_of_and_stops_soon() {
         };
         let begin = Instant::now();
         progress.cancel();
-        let after = wait_for(&worker, &wakes, |snapshot| snapshot.answers == before.answers + round + 1);
+        let after = wait_for(&worker, &wakes, |snapshot| snapshot.answered == before.answered + round + 1);
         waited.push(begin.elapsed());
         assert_eq!(after.generation, before.generation, "the scene before goes on");
         assert!(after.status.failed && after.status.message.contains("stopped"), "{:?}", after.status.message);
@@ -95,7 +95,7 @@ fn a_body_that_takes_long_to_make_is_told_of_and_stops_soon() {
     };
     let begin = Instant::now();
     progress.cancel();
-    let after = wait_for(&worker, &wakes, |snapshot| snapshot.answers == before.answers + 2);
+    let after = wait_for(&worker, &wakes, |snapshot| snapshot.answered == before.answered + 2);
     // Counting the particles does not notice the stop, and another program may have the processors.
     assert!(begin.elapsed() < 5 * SOON, "after {:?}", begin.elapsed());
     assert_eq!(progress.particles(), 101 * 101 * 101, "it is said of how many");

@@ -247,7 +247,7 @@ impl Shell {
             extract::overlay::add_face(&mut picture.tools, face);
         }
         let colors = picture.style.overlay;
-        let chosen = Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status);
+        let chosen = Chosen::of(self.unanswered.scene(&snapshot.scene), self.ui.selection, &snapshot.status);
         self.handles.add_to(&mut picture.tools, chosen, &pointer_view, &colors);
 
         let fits = !self.canvas.needs_picture(view);

@@ -7,7 +7,7 @@ use crate::app::frame_pacer::Reason;
 use crate::app::ui::{self, Running};
 use crate::app::worker::Snapshot;
 use crate::extract;
-use crate::session::Command;
+use crate::scene::Scene;
 use crate::view::DrawList;
 
 impl Shell {
@@ -18,9 +18,9 @@ impl Shell {
         self.ui.look = self.look();
         let value = self.value_under_pointer();
         let drawing = self.drawing.cost();
-        let Self { context, snapshot, ui, failure, worker, .. } = self;
+        let Self { context, snapshot, unanswered, ui, failure, worker, .. } = self;
         let (opening, making) = (worker.opening(), worker.making());
-        let running = snapshot.as_ref().map(running);
+        let running = snapshot.as_ref().map(|snapshot| running(snapshot, unanswered.scene(&snapshot.scene)));
         let (opening, making) = (opening.as_deref(), making.as_deref());
         let shown = ui::Shown { running, failure, value: &value, opening, making, drawing };
         let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection, ui.follow_chosen));
@@ -48,12 +48,6 @@ impl Shell {
         output
     }
 
-    /// Sends a command to the sandbox.
-    pub(super) fn send(&mut self, command: Command) {
-        self.worker.send(command);
-        self.ask_for_long_work();
-    }
-
     /// Runs the panels when work on the worker begins to count as long, so that they show it.
     pub(super) fn ask_for_long_work(&mut self) {
         if let Some(at) = self.worker.report_time() {
@@ -62,12 +56,12 @@ impl Shell {
     }
 }
 
-/// The running sandbox in the form that panels take.
-pub(super) fn running(snapshot: &Snapshot) -> Running<'_> {
+/// The running sandbox in the form that panels take, with the scene as it will be.
+pub(super) fn running<'a>(snapshot: &'a Snapshot, scene: &'a Scene) -> Running<'a> {
     let DrawList { skins, scalars, colormap, color_range, .. } = &snapshot.draw_list;
     Running {
         status: &snapshot.status,
-        scene: &snapshot.scene,
+        scene,
         color_key: scalars.as_ref().map(|_scalars| (*colormap, *color_range)),
         is_painted: skins.iter().any(|instance| instance.skin.is_painted()),
     }

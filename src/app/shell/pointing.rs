@@ -42,7 +42,7 @@ impl Shell {
     fn is_holdable(&self, pixel: Vec2) -> bool {
         let Some(snapshot) = &self.snapshot else { return false };
         if handles::is_on_handle(
-            Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status),
+            Chosen::of(self.unanswered.scene(&snapshot.scene), self.ui.selection, &snapshot.status),
             &self.pointer_view(pixel),
         ) {
             return true;
@@ -79,13 +79,12 @@ impl Shell {
     /// Draws the brush over the thing under a pixel. Waits while the last touch is not answered in the picture: it shows the
     /// old cells, whose particles may have other numbers by now.
     fn brush(&mut self, pixel: Vec2, inverted: bool) {
-        let answers = self.snapshot.as_ref().map(|snapshot| snapshot.answers);
-        if self.brushed_at.is_some() && self.brushed_at == answers {
+        let answered = self.snapshot.as_ref().map_or(0, |snapshot| snapshot.answered);
+        if self.brushed.is_some_and(|brushed| brushed > answered) {
             return;
         }
         if let Some(touch) = self.brush_touch(pixel, inverted) {
-            self.worker.send(Command::Brush(touch));
-            self.brushed_at = answers;
+            self.brushed = Some(self.send(Command::Brush(touch)));
             self.changed = true;
         }
     }
@@ -126,7 +125,10 @@ impl Shell {
         self.changed |= self.ui.brush.is_some();
         let pointer_view = self.pointer_view(self.input.pointer());
         if let Some(snapshot) = &self.snapshot
-            && self.handles.hover(Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status), &pointer_view)
+            && self.handles.hover(
+                Chosen::of(self.unanswered.scene(&snapshot.scene), self.ui.selection, &snapshot.status),
+                &pointer_view,
+            )
         {
             self.changed = true;
         }
@@ -140,7 +142,7 @@ impl Shell {
                 self.follow();
                 self.drawing.ask_panels();
             }
-            Action::Send(command) => self.worker.send(command),
+            Action::Send(command) => _ = self.send(command),
             Action::ColorBy(color) => self.color_by(color),
             Action::Files(action) => {
                 self.ui.files.ask(action);
@@ -160,14 +162,14 @@ impl Shell {
             Action::Drag(pixel) => self.drag(pixel),
             Action::Release => self.release(),
             Action::Brush { pixel, inverted } => self.brush(pixel, inverted),
-            Action::LiftBrush => self.worker.send(Command::EndEdit),
+            Action::LiftBrush => _ = self.send(Command::EndEdit),
             Action::Chosen(action) => self.act_on_chosen(action),
         }
     }
 
     fn close_one(&mut self) {
         if let Some(command) = self.handles.cancel() {
-            self.worker.send(command);
+            self.send(command);
             self.changed = true;
             return;
         }
@@ -205,7 +207,10 @@ impl Shell {
     fn take(&mut self, pixel: Vec2) {
         let pointer_view = self.pointer_view(pixel);
         let Some(snapshot) = &self.snapshot else { return };
-        if self.handles.take(Chosen::of(&snapshot.scene, self.ui.selection, &snapshot.status), &pointer_view) {
+        if self.handles.take(
+            Chosen::of(self.unanswered.scene(&snapshot.scene), self.ui.selection, &snapshot.status),
+            &pointer_view,
+        ) {
             self.drag(self.input.pointer());
             return;
         }
@@ -222,16 +227,16 @@ impl Shell {
         let command = if self.handles.holds() {
             self.handles.drag(self.pointer_view(pixel).pointer)
         } else {
-            self.hand.drag(&snapshot.scene, &ray)
+            self.hand.drag(self.unanswered.scene(&snapshot.scene), &ray)
         };
         if let Some(command) = command {
-            self.worker.send(command);
+            self.send(command);
         }
     }
 
     fn release(&mut self) {
         for command in self.hand.release().into_iter().chain(self.handles.release()) {
-            self.worker.send(command);
+            self.send(command);
         }
         self.changed = true;
     }
@@ -239,9 +244,15 @@ impl Shell {
     fn act_on_chosen(&mut self, action: ChosenAction) {
         let (Some(snapshot), Some(target)) = (&self.snapshot, self.ui.selection) else { return };
         let mut commands = Vec::new();
-        ui::actions::act(action, target, running(snapshot), &mut self.ui, &mut commands);
+        ui::actions::act(
+            action,
+            target,
+            running(snapshot, self.unanswered.scene(&snapshot.scene)),
+            &mut self.ui,
+            &mut commands,
+        );
         for command in commands {
-            self.worker.send(command);
+            self.send(command);
         }
     }
 }

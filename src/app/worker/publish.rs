@@ -54,8 +54,8 @@ pub struct Snapshot {
     pub scene: Arc<Scene>,
     /// Counts the scenes opened: when it grows, the camera starts anew.
     pub generation: u64,
-    /// Counts the commands answered.
-    pub answers: u64,
+    /// The number of the last command answered.
+    pub answered: u64,
 }
 
 /// Why a worker stopped by itself.
@@ -108,8 +108,8 @@ impl Slot {
 /// The results of commands.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Answers {
-    /// Commands carried out or refused.
-    pub(super) count: u64,
+    /// The number of the last command carried out, refused or superseded.
+    pub(super) last: u64,
     /// Scenes opened after the first.
     pub(super) generation: u64,
     /// Why the last command of a person was refused, if it was.
@@ -195,8 +195,8 @@ impl<W: Fn()> Publisher<W> {
         }
         (self.last_published, self.was_at_rest, self.has_changes) = (Instant::now(), sandbox.is_at_rest(), false);
         let (scene, draw_list) = (Arc::clone(sandbox.scene()), sandbox.draw_list());
-        let Answers { count, generation, .. } = *answers;
-        let snapshot = Snapshot { draw_list, status, scene, generation, answers: count };
+        let Answers { last, generation, .. } = *answers;
+        let snapshot = Snapshot { draw_list, status, scene, generation, answered: last };
         // A window that has not taken the last snapshot is already awake.
         let untaken = self.slot.newest().snapshot.replace(snapshot).is_some();
         if !untaken {
