@@ -172,7 +172,8 @@ fn scenes_that_once_exploded_do_not() {
     // The energy of a body within a model that swings away from it: the coming push was taken as if the model stood still.
     let fifth = [(3_877_375_996, 566), (668_480_849, 3098)];
     // A body that rides on a ball which turns: what links do on the chords of its way was counted as the ball's work.
-    let sixth = [(1_012_288_173, 4041)];
+    // A plane of 4.6 km that turns by a quarter within a step: the body about to be struck had half of the energy of that.
+    let sixth = [(1_012_288_173, 4041), (59_257_229, 6579)];
     let editions = [
         (Edition::First, &scenes[..]),
         (Edition::Second, &second),

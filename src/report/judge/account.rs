@@ -50,11 +50,26 @@ pub(super) struct EnergyAccount {
     /// Sums over the window: own energy, the energy allowed without work from outside, and that work.
     sums: [f64; 3],
     sample_count: u32,
+    /// The last sample, as long as the work of the coming substep is not known.
+    pending: Option<PendingSample>,
     /// The allowed energy that it did not have at the last sample, J.
     missing_energy: f64,
     /// The largest sum so far of energy at the start and work, J.
     max_allowed_energy: f64,
     gain: Option<String>,
+}
+
+/// A sample of the energy, J. The velocity at a position's time has half of the coming substep's change already, so half of
+/// the work of obstacles in that substep belongs to it: all there is to allow for a body that an obstacle is about to strike.
+#[derive(Clone, Debug)]
+struct PendingSample {
+    /// The sample, with the work until then.
+    sample: EnergySample,
+    /// The energy allowed without work from outside.
+    by_itself: f64,
+    /// The work of obstacles in the substep before.
+    work_before: f64,
+    is_gone: bool,
 }
 
 impl EnergyAccount {
@@ -91,6 +106,7 @@ impl EnergyAccount {
             substeps: 0,
             sums: [0.0; 3],
             sample_count: 0,
+            pending: None,
             missing_energy: 0.0,
             max_allowed_energy: own_at_start,
             gain: None,
@@ -123,13 +139,8 @@ impl EnergyAccount {
         self.has_self_contact = true;
     }
 
-    /// Samples the energy. Gives no sample of a body that fell out of the scene, which keeps its last values.
-    pub(super) fn take_sample<R: Real>(
-        &mut self,
-        simulation: &Simulation<R>,
-        now: Diagnostics,
-        totals: &StepReport,
-    ) -> Option<EnergySample> {
+    /// Samples the energy. A body that fell out of the scene keeps its last values.
+    pub(super) fn take_sample<R: Real>(&mut self, simulation: &Simulation<R>, now: Diagnostics, totals: &StepReport) {
         let is_gone = simulation.state().bodies[self.body].gone;
         if !is_gone {
             self.now = now;
@@ -145,20 +156,7 @@ impl EnergyAccount {
             }
         }
         let by_itself = self.own_at_start + self.start.energy.gravity - self.now.energy.gravity;
-        // The velocity at a position's time has half of the coming change already. What pushes now goes on to push.
-        let work = self.work + 0.5 * self.work_in_substep.max(0.0);
-        let allowed = by_itself + work;
-        self.max_allowed_energy = self.max_allowed_energy.max(allowed);
-        // A body that is gone may have given the energy it lacked when last seen to another body.
-        if !is_gone {
-            self.missing_energy = (allowed - own(&self.now)).max(0.0);
-        }
-        let terms = if is_gone { [0.0, self.missing_energy, 0.0] } else { [own(&self.now), by_itself, work] };
-        for (sum, now) in self.sums.iter_mut().zip(terms) {
-            *sum += now;
-        }
-        self.sample_count += 1;
-        (!is_gone).then(|| EnergySample {
+        let sample = EnergySample {
             time_secs: simulation.state().time_secs,
             body: self.body,
             kinetic: self.now.energy.kinetic,
@@ -166,13 +164,34 @@ impl EnergyAccount {
             recovery: self.now.energy.recovery,
             contact: self.now.energy.contact,
             own: own(&self.now),
-            work,
-            allowed,
+            work: self.work,
+            allowed: by_itself + self.work,
             substeps: totals.counters.substeps,
             halved: totals.counters.halved,
             contacts: totals.last.contacts + totals.last.body_contacts,
             depth_m: totals.last.max_penetration_m,
-        })
+        };
+        self.pending = Some(PendingSample { sample, by_itself, work_before: self.work_in_substep, is_gone });
+    }
+
+    /// Completes the last sample: the work in the substep after it is known, or there is none. Gives no sample of a body that
+    /// fell out of the scene.
+    pub(super) fn settle_sample(&mut self) -> Option<EnergySample> {
+        let PendingSample { mut sample, by_itself, work_before, is_gone } = self.pending.take()?;
+        sample.work += 0.5 * self.work_in_substep.max(work_before).max(0.0);
+        sample.allowed = by_itself + sample.work;
+        let EnergySample { own, work, allowed, .. } = sample;
+        self.max_allowed_energy = self.max_allowed_energy.max(allowed);
+        // A body that is gone may have given the energy it lacked when last seen to another body.
+        if !is_gone {
+            self.missing_energy = (allowed - own).max(0.0);
+        }
+        let terms = if is_gone { [0.0, self.missing_energy, 0.0] } else { [own, by_itself, work] };
+        for (sum, now) in self.sums.iter_mut().zip(terms) {
+            *sum += now;
+        }
+        self.sample_count += 1;
+        (!is_gone).then_some(sample)
     }
 
     /// Closes a window of some bodies that share their energy, and returns their gain as a share.

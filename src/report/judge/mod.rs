@@ -13,7 +13,8 @@
 //!
 //! Each body is judged alone, so that a heavy one does not hide a light one, until it meets another: from then on it is
 //! judged together with all bodies that it has met. The velocities at a position's time include a share of the coming
-//! substep's push, so a sample also counts the bodies that meet in that substep.
+//! substep's push, so a sample also counts the bodies that meet in that substep, and is complete once the work of obstacles in
+//! it is known.
 
 mod account;
 mod contact_groups;
@@ -191,7 +192,11 @@ pub struct MotionJudge {
     sample_count: u64,
     accounts: Vec<EnergyAccount>,
     contact_groups: ContactGroups,
-    /// What was sampled in the last substep.
+    /// Whether a window ended with the last substep; it is closed after the coming one.
+    window_ended: bool,
+    /// Whether the last sample is incomplete.
+    sample_pending: bool,
+    /// The samples completed in the last substep.
     samples: Vec<EnergySample>,
     link_forces: u64,
     totals: StepReport,
@@ -233,6 +238,8 @@ impl MotionJudge {
             sample_count: 0,
             accounts: accounts.collect(),
             contact_groups,
+            window_ended: false,
+            sample_pending: false,
             samples: Vec::new(),
             link_forces: 0,
             totals: StepReport::default(),
@@ -253,11 +260,12 @@ impl MotionJudge {
 
     /// As [`MotionJudge::substep`], but a substep that `timer` gives up is taken at the next call, with the same outcome.
     pub fn substep_unless<R: Real>(&mut self, simulation: &mut Simulation<R>, timer: &mut impl StageTimer) -> bool {
+        self.samples.clear();
         if self.link_forces > self.patience.most_link_forces || self.is_hopeless() {
             self.verdict.cut_short = true;
+            self.settle();
             return false;
         }
-        self.samples.clear();
         self.accounts.iter_mut().for_each(EnergyAccount::begin_substep);
         let substep = self.verdict.substeps;
         let begin_secs = simulation.state().time_secs;
@@ -271,13 +279,18 @@ impl MotionJudge {
             self.record_fault(Fault::NotFinite, format!("after {} s", self.verdict.simulated_secs));
             return false;
         }
+        self.settle();
         let is_sample_due = substep == nth_sample_substep(self.sample_count, self.sample_interval);
         self.sample_count += u64::from(is_sample_due);
         let ends_window = (substep + 1).is_multiple_of(self.window);
-        if is_sample_due || ends_window {
-            self.take_sample(simulation, is_sample_due, ends_window);
+        if is_sample_due {
+            self.take_sample(simulation);
         }
+        self.window_ended = ends_window;
         self.count_work(simulation);
+        if self.verdict.substeps >= self.substeps {
+            self.settle();
+        }
         self.verdict.fault.is_none() && self.verdict.substeps < self.substeps
     }
 
@@ -350,16 +363,22 @@ impl MotionJudge {
         }
     }
 
-    fn take_sample<R: Real>(&mut self, simulation: &Simulation<R>, is_sample_due: bool, ends_window: bool) {
-        let (seen, met) = if is_sample_due { simulation.diagnostics_of_each() } else { Default::default() };
+    fn take_sample<R: Real>(&mut self, simulation: &Simulation<R>) {
+        let (seen, met) = simulation.diagnostics_of_each();
         self.record_contacts(&met);
-        let mut seen = seen.into_iter();
-        for account in &mut self.accounts {
-            if let Some(now) = seen.next() {
-                self.samples.extend(account.take_sample(simulation, now, &self.totals));
-            }
+        for (account, now) in self.accounts.iter_mut().zip(seen) {
+            account.take_sample(simulation, now, &self.totals);
         }
-        if ends_window {
+        self.sample_pending = true;
+    }
+
+    /// Completes the sample and the window that ended with the substep before, and looks for faults.
+    fn settle(&mut self) {
+        if !(std::mem::take(&mut self.sample_pending) || self.window_ended) {
+            return;
+        }
+        self.samples.extend(self.accounts.iter_mut().filter_map(EnergyAccount::settle_sample));
+        if std::mem::take(&mut self.window_ended) {
             self.close_window();
         }
         let fault = (0..self.accounts.len())
