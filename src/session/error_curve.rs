@@ -137,6 +137,7 @@ fn effort(seconds: f64) -> Effort {
         reference_step_ratio: REFERENCE_STEP_SHARE,
         side_by_side: false,
         around_limits: true,
+        finer_where_in_doubt: false,
     }
 }
 

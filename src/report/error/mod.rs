@@ -40,6 +40,9 @@ pub(super) const DIVERGED_ERROR_RATIO: f64 = 1.0;
 /// A scheme does not converge to the reference if a step smaller by the factor `CONVERGENCE_CRITERION[0]` leaves more than
 /// the share `CONVERGENCE_CRITERION[1]` of its error.
 pub(super) const CONVERGENCE_CRITERION: [f64; 2] = [4.0, 0.7];
+/// The steps, as shares of the smallest rung, at which a method is measured too if it does not seem to converge. Where in a
+/// step a contact begins changes the error up and down as steps shrink: over two rungs it may stay as it was.
+const FINER_STEPS: [f64; 2] = [0.5, 0.25];
 /// Errors below this share of the bodies' size are rounding errors.
 const ROUNDING_SHARE: f64 = 2e-5;
 
@@ -168,6 +171,8 @@ pub struct Effort {
     pub side_by_side: bool,
     /// Whether the steps next to the largest safe step of every scheme that has one are measured too.
     pub around_limits: bool,
+    /// Whether a method that does not seem to converge is also measured at smaller steps.
+    pub finer_where_in_doubt: bool,
 }
 
 impl Effort {
@@ -183,6 +188,7 @@ impl Effort {
             reference_step_ratio: REFERENCE_STEP_RATIO,
             side_by_side: true,
             around_limits: false,
+            finer_where_in_doubt: true,
         }
     }
 }
@@ -246,23 +252,36 @@ fn compare(
     let truth = &reference.samples;
     let size_m = initial_extent(truth);
     let mut rows: Vec<Setting> = measured.into_iter().map(|(method, dt)| Setting::new(method, dt)).collect();
+    let run = |row: &mut Setting, portion: [f64; 2]| {
+        if !row.measured.diverged && row.measured.wall_time < effort.repeat_time_limit {
+            row.run(scene, lattices, truth, DIVERGED_ERROR_RATIO * size_m, &Portion::new(watch, portion));
+        }
+        !watch.cancelled()
+    };
     let [_, mut done] = work.reference_ends;
     for _ in 0..effort.repeats {
         for row in &mut rows {
             let begin = done;
             done += work.share_of(row.method, row.dt);
-            if !row.measured.diverged && row.measured.wall_time < effort.repeat_time_limit {
-                row.run(scene, lattices, truth, DIVERGED_ERROR_RATIO * size_m, &Portion::new(watch, [begin, done]));
-            }
-            if watch.cancelled() {
+            if !run(row, [begin, done]) {
                 return None;
             }
         }
     }
     let mut rows: Vec<Row> = rows.into_iter().map(|setting| setting.row(samples)).collect();
-    mark_pareto(&mut rows);
     let reference_error_m = reference.error_m;
     let floor = (2.0 * reference_error_m).max(ROUNDING_SHARE * size_m);
+    if effort.finer_where_in_doubt {
+        let mut finer = finer_steps(&rows, floor);
+        for _ in 0..effort.repeats {
+            if !finer.iter_mut().all(|row| run(row, [done, done])) {
+                return None;
+            }
+        }
+        rows.extend(finer.into_iter().map(|setting| setting.row(samples)));
+        rows.sort_by_key(|row| SteppingMethod::all().position(|method| method == row.integrator));
+    }
+    mark_pareto(&mut rows);
     Some(ErrorFigures {
         scene: title.to_owned(),
         particles: probe.model().particle_count(),
@@ -271,7 +290,7 @@ fn compare(
         size_m,
         reference_dt_secs: reference.dt_secs,
         reference_error_m,
-        not_converging: not_converging(&rows, floor),
+        not_converging: not_converging(&rows, floor).map(|method| method.name().to_owned()).collect(),
         rows,
     })
 }
@@ -350,17 +369,22 @@ fn mark_pareto(rows: &mut [Row]) {
 }
 
 /// The methods whose error is above `floor` and hardly smaller than at a step `CONVERGENCE_CRITERION[0]` times as large.
-fn not_converging(rows: &[Row], floor: f64) -> Vec<String> {
-    let fails = |method: &SteppingMethod| {
+fn not_converging(rows: &[Row], floor: f64) -> impl Iterator<Item = SteppingMethod> {
+    let fails = move |method: &SteppingMethod| {
         let of_method: Vec<&Row> = rows.iter().filter(|row| row.integrator == *method && !row.diverged).collect();
         let Some(finest) = of_method.last().filter(|finest| finest.error_rms_m > floor) else { return false };
         let coarse = of_method.iter().rfind(|row| row.dt_secs >= (CONVERGENCE_CRITERION[0] - 1e-9) * finest.dt_secs);
         coarse.is_some_and(|coarse| finest.error_rms_m > CONVERGENCE_CRITERION[1] * coarse.error_rms_m)
     };
     // Automatic stepping takes the same divided steps whatever step is asked for.
-    SteppingMethod::all()
-        .filter(|method| *method != SteppingMethod::Automatic && fails(method))
-        .map(|method| method.name().to_owned())
+    SteppingMethod::all().filter(move |method| *method != SteppingMethod::Automatic && fails(method))
+}
+
+/// Smaller steps for the methods that do not seem to converge; at least four times that of the reference.
+fn finer_steps(rows: &[Row], floor: f64) -> Vec<Setting> {
+    let smallest = rows.iter().map(|row| row.dt_secs).fold(f64::INFINITY, f64::min);
+    not_converging(rows, floor)
+        .flat_map(|method| FINER_STEPS.map(|share| Setting::new(method, share * smallest)))
         .collect()
 }
 

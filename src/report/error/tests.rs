@@ -55,6 +55,12 @@ fn a_wrong_force_is_found_out() {
     let figures = figures.expect("not cancelled");
     for integrator in [Integrator::Verlet, Integrator::Rk4] {
         assert!(figures.not_converging.contains(&integrator.name().to_owned()), "{:?}", figures.not_converging);
+        let method = SteppingMethod::Manual(integrator);
+        let steps = figures.rows.iter().filter(|row| row.integrator == method).map(|row| row.dt_secs);
+        let steps: Vec<f64> = steps.collect();
+        assert!(steps.is_sorted_by(|one, next| one > next), "{steps:?}");
+        let last_rung = figures.rows.last().expect("automatic stepping").dt_secs;
+        assert!((steps[steps.len() - 1] / last_rung - 0.25).abs() < 1e-9, "two more before it is condemned: {steps:?}");
     }
     assert!(markdown(&[figures]).contains("does not converge"), "the page says so");
 }
