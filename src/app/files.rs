@@ -29,8 +29,8 @@ pub(super) struct Files {
     /// The scene last kept as a draft.
     kept: Option<Arc<Scene>>,
     file: Option<PathBuf>,
-    /// The scene's generation when recovery of the first found draft was requested.
-    recovering: Option<u64>,
+    /// The recovery of the first found draft: the number of its command, and the scene's generation before.
+    recovering: Option<(u64, u64)>,
     generation: u64,
 }
 
@@ -80,15 +80,12 @@ impl Files {
             }
         }
         self.generation = snapshot.generation;
-        if let Some(before) = self.recovering {
+        if let Some((_, before)) = self.recovering.take_if(|(number, _)| *number <= snapshot.answered) {
             if snapshot.generation > before {
-                self.recovering = None;
                 self.adopt();
-                self.offer(ui);
-            } else if status.failed {
-                // The recovery may be what failed: the draft stays on offer.
-                self.offer(ui);
             }
+            // If it failed, the draft stays on offer.
+            self.offer(ui);
         }
     }
 
@@ -191,15 +188,23 @@ impl Files {
         }
     }
 
-    fn recover(&mut self) -> Option<Command> {
+    fn recover(&self) -> Option<Command> {
         let found = self.found.first()?;
-        self.recovering = Some(self.generation);
         Some(Command::Recover {
             scene: Box::new(found.scene.clone()),
             title: found.title.clone(),
             file: found.file.clone(),
             on_disk: found.on_disk,
         })
+    }
+
+    /// Notes that another scene was asked for: the first found draft, by the command of this number, or one that takes its
+    /// place.
+    pub(super) fn note_scene_wanted(&mut self, recovery: Option<u64>, ui: &mut FilesState) {
+        let before = std::mem::replace(&mut self.recovering, recovery.map(|number| (number, self.generation)));
+        if before.is_some() && recovery.is_none() {
+            self.offer(ui);
+        }
     }
 
     /// Notes that the found draft is now the scene.
@@ -217,5 +222,78 @@ impl Files {
 
     fn offer(&self, ui: &mut FilesState) {
         ui.found = self.found.first().map(|found| FoundDraft { title: found.title.clone(), when: found.when() });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::presets;
+    use crate::view::DrawList;
+
+    fn drafts_in(folder: &Path) -> usize {
+        let entries = std::fs::read_dir(folder).expect("a folder").filter_map(Result::ok);
+        entries.filter(|entry| entry.path().extension().is_some_and(|ending| ending == "ron")).count()
+    }
+
+    /// Leaves a draft in the state folder as a program that fails does.
+    fn leave_draft(state: &Path) {
+        let drafts = state.join("drafts");
+        let keeper = Keeper::start(&drafts, Duration::ZERO).expect("the folder can be written");
+        keeper.keep(Draft {
+            scene: Arc::new(presets::ground_only()),
+            camera: CameraSettings::default(),
+            base_dir: PathBuf::new(),
+            title: "lost".to_owned(),
+            file: None,
+            on_disk: None,
+        });
+        while drafts_in(&drafts) == 0 {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        keeper.close(true);
+    }
+
+    fn snapshot(answered: u64, generation: u64, failed: bool) -> Snapshot {
+        let status = Status { failed, ..Status::default() };
+        Snapshot { draw_list: DrawList::default(), status, scene: Arc::default(), generation, answered }
+    }
+
+    /// What is left of a draft after its recovery was asked for by command 1, and `then`, and the window closed.
+    fn drafts_left(then: impl FnOnce(&mut Files, &mut FilesState)) -> usize {
+        let folder = tempfile::tempdir().expect("a folder");
+        leave_draft(folder.path());
+        let mut ui = FilesState::default();
+        let mut files = Files::new(Some(folder.path()), &mut ui);
+        assert_eq!(ui.found.as_ref().map(|found| found.title.as_str()), Some("lost"), "it is on offer");
+        ui.requests.push(FileRequest::Recover);
+        let outcome = files.handle_requests(&mut ui, || ());
+        assert!(matches!(outcome.commands[..], [Command::Recover { .. }]), "{outcome:?}");
+        files.note_scene_wanted(Some(1), &mut ui);
+        then(&mut files, &mut ui);
+        files.close(false);
+        drafts_in(&folder.path().join("drafts"))
+    }
+
+    #[test]
+    fn a_draft_that_was_recovered_goes_and_one_that_was_not_stays() {
+        let recovered = drafts_left(|files, ui| {
+            files.on_snapshot(&snapshot(1, 1, false), ui);
+            assert!(ui.found.is_none());
+        });
+        assert_eq!(recovered, 0);
+        let failed = drafts_left(|files, ui| {
+            files.on_snapshot(&snapshot(1, 0, true), ui);
+            assert!(ui.found.is_some(), "it is on offer again");
+            files.note_scene_wanted(None, ui);
+            files.on_snapshot(&snapshot(2, 1, false), ui);
+        });
+        assert_eq!(failed, 1, "another scene was opened instead");
+        let given_up = drafts_left(|files, ui| {
+            files.note_scene_wanted(None, ui);
+            assert!(ui.found.is_some(), "it is on offer again");
+            files.on_snapshot(&snapshot(2, 1, false), ui);
+        });
+        assert_eq!(given_up, 1, "another scene was opened before it was there");
     }
 }

@@ -6,6 +6,7 @@ mod drawing;
 mod modes;
 mod panels;
 mod pointing;
+mod sending;
 
 use std::sync::Arc;
 
@@ -30,19 +31,19 @@ use super::input::{self, Action, Input, ViewRect};
 use super::preferences::PreferencesFile;
 use super::sentence::sentence;
 use super::ui::files::FileAction;
-use super::ui::{self, Framing, UiState};
-use super::unanswered::{Change, Unanswered};
+use super::ui::{self, Finding, Framing, UiState};
+use super::unanswered::Unanswered;
 use super::wake::Wake;
 use super::worker::{Snapshot, Worker, WorkerError};
 use super::{kept_file, theme};
 use crate::extract;
 use crate::scene::{ColorBy, Scene, presets};
+use crate::session::Status;
 use crate::session::document::Opened;
 use crate::session::error_curve::{ErrorCurve, error_curve};
 use crate::session::modes::{BodyModes, body_modes};
 use crate::session::stability_map::{MapOf, PlaneShown, StabilityMap, stability_map};
 use crate::session::wanted_modes::FoundModes;
-use crate::session::{Command, Status};
 use crate::view::Orbit;
 
 /// The window's size at the start, points.
@@ -86,8 +87,12 @@ pub(super) struct Shell {
     /// The thing that the eye follows, and the last place of its middle, m.
     followed: Option<(Target, Vec3)>,
     input: Input,
-    /// The number of the last command of the brush.
-    brushed: Option<u64>,
+    /// The number of the last step asked for while time stands.
+    stepped: u64,
+    /// The number of the last command that writes a file.
+    saved: u64,
+    /// Closes the window once the file of this command is written.
+    quit_after: Option<u64>,
     hand: Hand,
     handles: Handles,
     ui: UiState,
@@ -141,7 +146,9 @@ impl Shell {
             orbit: Orbit::default(),
             followed: None,
             input: Input::default(),
-            brushed: None,
+            stepped: 0,
+            saved: 0,
+            quit_after: None,
             hand: Hand::default(),
             handles: Handles::default(),
             ui,
@@ -255,38 +262,6 @@ impl Shell {
         }
     }
 
-    /// Sends a command to the sandbox and returns its number.
-    fn send(&mut self, command: Command) -> u64 {
-        let change = Change::by(&command);
-        let number = self.worker.send(command);
-        if let (Some(change), Some(snapshot)) = (change, &mut self.snapshot) {
-            self.unanswered.note(number, change, &snapshot.scene);
-            snapshot.status.unsaved |= self.unanswered.is_unsaved();
-            self.note_scene();
-        }
-        self.ask_for_long_work();
-        number
-    }
-
-    /// The scene as it will be when the sandbox has answered.
-    fn expected_scene(&self) -> Option<&Arc<Scene>> {
-        self.snapshot.as_ref().map(|snapshot| self.unanswered.scene(&snapshot.scene))
-    }
-
-    /// Gives the title its mark if there are unsaved changes, and keeps them as a draft.
-    fn note_scene(&mut self) {
-        let Some(snapshot) = &self.snapshot else { return };
-        let named = (snapshot.status.title.clone(), snapshot.status.unsaved);
-        if self.titled.as_ref() != Some(&named) {
-            let (title, unsaved) = &named;
-            let mark = if *unsaved { "• " } else { "" };
-            self.window.set_title(&format!("{mark}{title} — Gelatin"));
-            self.titled = Some(named);
-        }
-        let camera = extract::view::camera_settings(&self.orbit);
-        self.files.keep_draft(&snapshot.status, self.unanswered.scene(&snapshot.scene), camera);
-    }
-
     fn color_by(&mut self, color: ColorBy) {
         if let Some(scene) = self.expected_scene() {
             let command = ui::color_command(&scene.view, color);
@@ -325,7 +300,8 @@ impl Shell {
             self.failure.clear();
             let opened = Opened { scene: Scene::clone(&scene), title, base_dir, file, unsaved, on_disk };
             self.worker = start_worker(&self.proxy, opened);
-            (self.unanswered, self.brushed) = (Unanswered::default(), None);
+            (self.unanswered, self.ui.finding) = (Unanswered::default(), Finding::default());
+            (self.stepped, self.saved, self.quit_after) = (0, 0, None);
         }
     }
 
@@ -373,16 +349,30 @@ impl Shell {
         self.modes_job.handle_request(&mut self.ui.modes_panel.job, modes, wake.clone());
         self.find_awaited_modes(wake.clone());
         let outcome = self.files.handle_requests(&mut self.ui.files, wake);
-        for command in outcome.commands {
-            self.send(command);
-        }
+        self.send_all(outcome.commands);
         if outcome.quit {
-            self.close(event_loop);
+            let answered = self.snapshot.as_ref().map_or(0, |snapshot| snapshot.answered);
+            self.quit_after = Some(if self.saved > answered { self.saved } else { 0 });
+        }
+        self.quit_if_saved(event_loop);
+    }
+
+    /// Closes the window if a person asked for it and no file is being written. A file that cannot be written keeps it open.
+    fn quit_if_saved(&mut self, event_loop: &ActiveEventLoop) {
+        let Some(number) = self.quit_after else { return };
+        let snapshot = self.snapshot.as_ref().filter(|_| self.failure.is_empty());
+        match snapshot {
+            Some(snapshot) if snapshot.answered < number => (),
+            Some(snapshot) if number > 0 && snapshot.status.failed => {
+                self.quit_after = None;
+            }
+            _ => self.close(event_loop),
         }
     }
 
     fn close(&mut self, event_loop: &ActiveEventLoop) {
-        self.files.close(!self.failure.is_empty());
+        // Without a snapshot the last scene is still being started anew.
+        self.files.close(!self.failure.is_empty() || self.snapshot.is_none());
         event_loop.exit();
     }
 

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use crate::scene::Scene;
-use crate::scene::edit::Edit;
+use crate::scene::edit::{Edit, Impact};
 use crate::session::Command;
 use crate::session::document::differs;
 
@@ -16,6 +16,8 @@ pub(super) struct Unanswered {
     changes: Vec<(u64, Change)>,
     /// The scene with all replacements; none where there are none.
     expected: Option<Arc<Scene>>,
+    /// Whether a replacement makes a body anew, which may take more memory than there is.
+    makes_bodies: bool,
     is_unsaved: bool,
 }
 
@@ -24,12 +26,10 @@ pub(super) struct Unanswered {
 pub(super) enum Change {
     /// A node becomes another.
     Replacement(Edit),
-    /// Bodies or obstacles get other places: which node a later edit replaces is not known here.
-    Places,
-    /// Changes before it are taken back or made again.
-    Past,
-    /// What cannot be said here.
+    /// What cannot be said here: which nodes there are, or what they are.
     Other,
+    /// Another scene takes the place of this one.
+    Scene,
 }
 
 impl Change {
@@ -38,36 +38,53 @@ impl Change {
         match command {
             Command::Edit(edit) | Command::Drag(edit) => Some(match edit {
                 Edit::InsertBody(..) | Edit::RemoveBody(_) | Edit::InsertObstacle(..) | Edit::RemoveObstacle(_) => {
-                    Self::Places
+                    Self::Other
                 }
                 Edit::Settings(_) | Edit::View(_) | Edit::Body(..) | Edit::Obstacle(..) => {
                     Self::Replacement(edit.clone())
                 }
             }),
-            Command::Undo | Command::Redo | Command::CancelEdit => Some(Self::Past),
-            Command::Teleport(..) | Command::AddBody { .. } | Command::Refill { .. } | Command::Brush(_) => {
-                Some(Self::Other)
-            }
-            _ => None,
+            Command::Refill { id, body, .. } => Some(Self::Replacement(Edit::Body(*id, body.clone()))),
+            Command::Undo
+            | Command::Redo
+            | Command::CancelEdit
+            | Command::Teleport(..)
+            | Command::AddBody { .. }
+            | Command::Brush(_) => Some(Self::Other),
+            _ => command.replaces_scene().then_some(Self::Scene),
         }
     }
 }
 
 impl Unanswered {
+    /// Whether a command must not be sent yet: it names a body or an obstacle, or holds what is to become of it, and a change
+    /// before it may leave something else in that place. Nor does anything change a scene that is about to be replaced.
+    pub(super) fn bars(&self, command: &Command) -> bool {
+        let any = |wanted: fn(&Change) -> bool| self.changes.iter().any(|(_, change)| wanted(change));
+        match command {
+            Command::Edit(_)
+            | Command::Drag(_)
+            | Command::Teleport(..)
+            | Command::Refill { .. }
+            | Command::Brush(_) => any(|change| !matches!(change, Change::Replacement(_))),
+            Command::Undo | Command::Redo | Command::CancelEdit | Command::AddBody { .. } => {
+                any(|change| matches!(change, Change::Scene))
+            }
+            _ => false,
+        }
+    }
+
     /// Notes the change by the command of a number, just sent; `answered` is the scene that the sandbox showed last.
     pub(super) fn note(&mut self, number: u64, mut change: Change, answered: &Arc<Scene>) {
-        match &change {
-            Change::Replacement(_) if self.changes.iter().any(|(_, change)| matches!(change, Change::Places)) => {
+        if let Change::Replacement(edit) = &change {
+            if self.changes.iter().any(|(_, change)| !matches!(change, Change::Replacement(_))) {
                 change = Change::Other;
-            }
-            // A hand that moves replaces the same node again and again: the last one stands for all.
-            Change::Replacement(edit) => {
+            } else {
+                // A hand that moves replaces the same node again and again: the last one stands for all.
                 let is_same =
                     |last: &Change| matches!(last, Change::Replacement(last) if edit.replaces_same_node_as(last));
                 self.changes.pop_if(|(_, last)| is_same(last));
             }
-            Change::Past => self.changes.iter_mut().for_each(|(_, change)| *change = Change::Other),
-            Change::Places | Change::Other => (),
         }
         self.changes.push((number, change));
         self.update(answered);
@@ -84,6 +101,11 @@ impl Unanswered {
         self.expected.as_ref().unwrap_or(answered)
     }
 
+    /// The scene to be kept as a draft: without a change that makes a body anew, which may be what ends the program.
+    pub(super) fn draft<'a>(&'a self, answered: &'a Arc<Scene>) -> &'a Arc<Scene> {
+        if self.makes_bodies { answered } else { self.scene(answered) }
+    }
+
     /// Whether they may leave changes that are not saved.
     pub(super) fn is_unsaved(&self) -> bool {
         self.is_unsaved
@@ -91,6 +113,7 @@ impl Unanswered {
 
     fn update(&mut self, answered: &Arc<Scene>) {
         let mut expected = None;
+        self.makes_bodies = false;
         for (_, change) in &self.changes {
             if let Change::Replacement(edit) = change
                 && edit.replaces_a_node_of(answered)
@@ -99,10 +122,10 @@ impl Unanswered {
                 let mut edit = edit.clone();
                 scene.make_names_unique(&mut edit);
                 // The sandbox refuses the same edits, in words.
-                let _ = scene.apply(edit);
+                self.makes_bodies |= scene.apply(edit).is_ok_and(|applied| applied.impact == Impact::Topology);
             }
         }
-        let unknown = self.changes.iter().any(|(_, change)| !matches!(change, Change::Replacement(_)));
+        let unknown = self.changes.iter().any(|(_, change)| matches!(change, Change::Other));
         self.is_unsaved = unknown || expected.as_ref().is_some_and(|expected| differs(answered, expected));
         self.expected = expected.map(Arc::new);
     }
@@ -111,8 +134,9 @@ impl Unanswered {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::body::CubeShape;
     use crate::scene::edit::BodyId;
-    use crate::scene::{Body, ColorBy, Settings, ViewSettings};
+    use crate::scene::{Body, ColorBy, Settings, Shape, ViewSettings};
 
     fn note(unanswered: &mut Unanswered, number: u64, command: &Command, answered: &Arc<Scene>) {
         unanswered.note(number, Change::by(command).expect("it changes the scene"), answered);
@@ -147,27 +171,42 @@ mod tests {
     }
 
     #[test]
-    fn what_is_undone_is_no_longer_shown_and_may_be_unsaved() {
-        let (answered, mut unanswered) = (two_bodies(), Unanswered::default());
-        note(&mut unanswered, 1, &changed(&answered, 0, |body| body.hidden = true), &answered);
-        note(&mut unanswered, 2, &Command::Undo, &answered);
-        assert!(Arc::ptr_eq(unanswered.scene(&answered), &answered) && unanswered.is_unsaved());
-        let again = changed(unanswered.scene(&answered), 0, |body| body.velocity[1] = 1.0);
-        note(&mut unanswered, 3, &again, &answered);
-        let shown = unanswered.scene(&answered);
-        assert!(!shown.bodies[0].hidden && shown.bodies[0].velocity[1] > 0.5);
+    fn what_may_be_another_thing_by_then_is_not_changed_meanwhile() {
+        let answered = two_bodies();
+        let hide = changed(&answered, 1, |body| body.hidden = true);
+        let add = Edit::InsertBody(BodyId(2), Box::default());
+        for before in [Command::Undo, Command::Edit(Edit::RemoveBody(BodyId(0))), Command::Edit(add)] {
+            let mut unanswered = Unanswered::default();
+            let settings = Settings { dt: 2e-3, ..Settings::default() };
+            note(&mut unanswered, 1, &Command::Edit(Edit::Settings(settings)), &answered);
+            assert!(!unanswered.bars(&hide), "a replacement leaves all in their places");
+            note(&mut unanswered, 2, &before, &answered);
+            assert!(unanswered.bars(&hide) && !unanswered.bars(&Command::Undo), "{before:?}");
+            let shown = unanswered.scene(&answered);
+            assert_eq!((shown.bodies.len(), shown.settings.dt), (2, 2e-3), "what came before is sure");
+            assert!(unanswered.is_unsaved());
+            unanswered.forget_answered(2, &answered);
+            assert!(!unanswered.bars(&hide));
+        }
     }
 
     #[test]
-    fn after_a_body_is_removed_no_place_is_sure() {
+    fn nothing_changes_a_scene_that_is_about_to_be_replaced() {
         let (answered, mut unanswered) = (two_bodies(), Unanswered::default());
-        let settings = Settings { dt: 2e-3, ..Settings::default() };
-        note(&mut unanswered, 1, &Command::Edit(Edit::Settings(settings)), &answered);
-        note(&mut unanswered, 2, &Command::Edit(Edit::RemoveBody(BodyId(0))), &answered);
-        note(&mut unanswered, 3, &changed(&answered, 1, |body| body.hidden = true), &answered);
-        let shown = unanswered.scene(&answered);
-        assert_eq!((shown.bodies.len(), shown.settings.dt), (2, 2e-3), "what came before is sure");
-        assert!(!shown.bodies[1].hidden && unanswered.is_unsaved());
+        note(&mut unanswered, 1, &Command::New, &answered);
+        assert!(unanswered.bars(&changed(&answered, 0, |body| body.hidden = true)));
+        assert!(unanswered.bars(&Command::Undo) && !unanswered.bars(&Command::Pause));
+        assert!(!unanswered.is_unsaved(), "the question was before");
+    }
+
+    #[test]
+    fn a_body_that_may_be_too_large_is_in_no_draft() {
+        let (answered, mut unanswered) = (two_bodies(), Unanswered::default());
+        note(&mut unanswered, 1, &changed(&answered, 0, |body| body.hidden = true), &answered);
+        assert!(unanswered.draft(&answered).bodies[0].hidden, "a light change");
+        let cells = Shape::Cube(CubeShape { cells: 150, size: 1.0 });
+        note(&mut unanswered, 2, &changed(&answered, 0, |body| body.shape = cells), &answered);
+        assert!(Arc::ptr_eq(unanswered.draft(&answered), &answered));
     }
 
     #[test]

@@ -170,22 +170,22 @@ impl Command {
     /// Whether a person waits for it, so that a long substep is given up. Not for a command that repeats while a hand moves:
     /// it would keep time from running.
     pub fn waits_for_no_substep(&self) -> bool {
-        !matches!(
-            self,
+        match self {
+            // Until it is answered, nothing else can be changed: which thing is where is not known.
+            Self::Edit(edit) => !edit.replaces_same_node_as(edit),
             Self::Play
-                | Self::SetSpeed(_)
-                | Self::Edit(_)
-                | Self::Drag(_)
-                | Self::EndEdit
-                | Self::CancelEdit
-                | Self::Grab(_)
-                | Self::Brush(_)
-                | Self::WatchCost(_)
-                | Self::WatchStability(_)
-                | Self::ShowModes(_)
-                | Self::MarkBox(_)
-                | Self::TakeModes(_)
-        )
+            | Self::SetSpeed(_)
+            | Self::Drag(_)
+            | Self::EndEdit
+            | Self::Grab(_)
+            | Self::Brush(_)
+            | Self::WatchCost(_)
+            | Self::WatchStability(_)
+            | Self::ShowModes(_)
+            | Self::MarkBox(_)
+            | Self::TakeModes(_) => false,
+            _ => true,
+        }
     }
 
     /// Whether it is sent after another command without a person's doing: its success must not clear that command's error.

@@ -25,9 +25,7 @@ impl Shell {
         let shown = ui::Shown { running, failure, value: &value, opening, making, drawing };
         let (mut commands, looks) = (Vec::new(), (ui.theme, ui.selection, ui.follow_chosen));
         let output = context.run_ui(raw_input, |root| ui::panels_ui(root, &shown, ui, &mut commands));
-        for command in commands {
-            self.send(command);
-        }
+        self.send_all(commands);
         if self.ui.files.wants_inset() {
             self.drawing.panels_due.ask(Instant::now(), Reason::Input);
         }

@@ -30,7 +30,8 @@ impl Shell {
     }
 
     fn keyboard(&self) -> Keyboard {
-        if self.context.text_edit_focused() {
+        // A field has the keyboard a frame after it appears.
+        if self.context.text_edit_focused() || self.ui.renaming.is_some() {
             Keyboard::Text
         } else if self.context.egui_wants_keyboard_input() {
             Keyboard::Widget
@@ -76,15 +77,11 @@ impl Shell {
         Some(CellTouch { body: brush.body, weights, change })
     }
 
-    /// Draws the brush over the thing under a pixel. Waits while the last touch is not answered in the picture: it shows the
-    /// old cells, whose particles may have other numbers by now.
+    /// Draws the brush over the thing under a pixel. While the last touch is not answered nothing is sent: the picture shows
+    /// the old cells, whose particles may have other numbers by now.
     fn brush(&mut self, pixel: Vec2, inverted: bool) {
-        let answered = self.snapshot.as_ref().map_or(0, |snapshot| snapshot.answered);
-        if self.brushed.is_some_and(|brushed| brushed > answered) {
-            return;
-        }
         if let Some(touch) = self.brush_touch(pixel, inverted) {
-            self.brushed = Some(self.send(Command::Brush(touch)));
+            self.send(Command::Brush(touch));
             self.changed = true;
         }
     }
@@ -135,6 +132,10 @@ impl Shell {
     }
 
     pub(super) fn act(&mut self, action: Action) {
+        if matches!(action, Action::Chosen(_) | Action::Send(Command::Undo | Command::Redo)) {
+            // What is held may be another thing afterwards.
+            self.release();
+        }
         match action {
             Action::Camera(camera_move) => self.move_camera(camera_move),
             Action::FollowChosen => {
@@ -142,7 +143,7 @@ impl Shell {
                 self.follow();
                 self.drawing.ask_panels();
             }
-            Action::Send(command) => _ = self.send(command),
+            Action::Send(command) => self.send(command),
             Action::ColorBy(color) => self.color_by(color),
             Action::Files(action) => {
                 self.ui.files.ask(action);
@@ -162,7 +163,7 @@ impl Shell {
             Action::Drag(pixel) => self.drag(pixel),
             Action::Release => self.release(),
             Action::Brush { pixel, inverted } => self.brush(pixel, inverted),
-            Action::LiftBrush => _ = self.send(Command::EndEdit),
+            Action::LiftBrush => self.send(Command::EndEdit),
             Action::Chosen(action) => self.act_on_chosen(action),
         }
     }
@@ -251,8 +252,6 @@ impl Shell {
             &mut self.ui,
             &mut commands,
         );
-        for command in commands {
-            self.send(command);
-        }
+        self.send_all(commands);
     }
 }

@@ -56,9 +56,8 @@ impl FilesState {
 
     /// Whether a dialog is open, or will be in the next frame: keys are for it alone.
     pub fn is_open(&self) -> bool {
-        let may_open = |action: &FileAction| {
-            !matches!(action, FileAction::New | FileAction::OpenFile(_) | FileAction::Save | FileAction::Recover)
-        };
+        let may_open =
+            |action: &FileAction| !matches!(action, FileAction::New | FileAction::OpenFile(_) | FileAction::Recover);
         let open = self.dialog.is_some() || self.question.is_some() || self.model.is_some() || self.asks_to_overwrite;
         open || self.asked.iter().any(may_open)
     }
