@@ -133,7 +133,9 @@ fn words(facts: &Facts<'_>) -> String {
         format!("limited by the number of links, {links}")
     };
     let pace = if (speed - 1.0).abs() < 1e-9 { "real time" } else { "the speed asked for" };
-    format!("{:.1} times slower than {pace}: {cause}", speed / factor)
+    let slower = speed / factor;
+    let digits = usize::from(slower < 10.0);
+    format!("{slower:.digits$} times slower than {pace}: {cause}")
 }
 
 /// Rounds a number to its first two digits: the others flicker.
@@ -185,6 +187,7 @@ mod tests {
     fn steps_that_have_a_processor_blame_their_own_work() {
         let busy = facts(0.5, 0.9);
         assert_eq!(words(&busy), "2.0 times slower than real time: limited by the number of links, 12876");
+        assert!(words(&facts(0.0005, 0.9)).starts_with("2000 times slower"), "{}", words(&facts(0.0005, 0.9)));
         let divided = Facts { divided: Some(("shear damping", 5e-4)), ..busy.clone() };
         let divided = words(&divided);
         assert!(divided.ends_with("shear damping takes substeps of 0.500 ms"), "{divided}");
