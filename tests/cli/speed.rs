@@ -59,6 +59,17 @@ fn the_scenes_that_are_named_are_timed_and_no_cubes() {
 }
 
 #[test]
+fn a_scene_that_explodes_says_when_and_modes_that_they_are_cells() {
+    let folder = Folder::new();
+    let report = folder.json("report speed exploding spot-modes --threads 1 --quick --json -o made");
+    let [exploding, modal] = [0, 1].map(|scene| &report["scenes"][scene]);
+    assert!(exploding["exploded_at_secs"].as_f64() > Some(0.0) && modal["exploded_at_secs"].is_null(), "{report}");
+    assert_eq!((&exploding["modes_as_cells"], &modal["modes_as_cells"]), (&json!(false), &json!(true)));
+    let page = std::fs::read_to_string(folder.path("made/speed.md")).expect("a page");
+    assert!(page.contains(", exploded at ") && page.contains("timed by their cells"), "{page}");
+}
+
+#[test]
 fn cubes_are_timed_by_the_instructions_that_are_named() {
     let report = Folder::new().json("report speed --quick --threads 1 --simd portable --json");
     let rows = report["rows"].as_array().expect("rows");

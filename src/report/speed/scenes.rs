@@ -11,8 +11,9 @@ use crate::geometry::Lattice;
 use crate::machine::threads::kept_awake;
 use crate::physics::{Simulation, StepReport};
 use crate::report::timer::WallTimer;
+
 use crate::scene::resolve::{ResolveError, resolve};
-use crate::scene::{Scene, presets};
+use crate::scene::{MovesBy, Scene, presets};
 
 /// The most simulated time, s: bodies at rest after that cost nothing.
 const MAX_SIMULATED_SECS: f64 = 1.5;
@@ -60,6 +61,10 @@ pub struct SceneSpeed {
     pub threads: usize,
     pub simulated_secs: f64,
     pub real_time_factor: f64,
+    /// When it exploded, s.
+    pub exploded_at_secs: Option<f64>,
+    /// Whether bodies that move by their modes are timed by their cells.
+    pub modes_as_cells: bool,
     /// Contact between bodies, in scenes of several.
     pub meeting: Option<BodyContactSpeed>,
 }
@@ -90,10 +95,15 @@ pub(super) fn measure(
     for TimedScene { name, scene, lattices, settling_secs } in scenes {
         let mut start = Simulation::<f32>::new(scene, lattices);
         start.run_for(*settling_secs);
-        speeds.push(speed(name, start.clone(), 1, None, wall_secs));
+        let modes_as_cells = scene.bodies.iter().any(|body| body.moves_by == MovesBy::Modes);
+        let measured = |simulation, threads, pool| SceneSpeed {
+            modes_as_cells,
+            ..speed(name, simulation, threads, pool, wall_secs)
+        };
+        speeds.push(measured(start.clone(), 1, None));
         let threads = start.threads_worth(threads);
         if let Some(pool) = pool.filter(|_| threads > 1) {
-            speeds.push(speed(name, start, threads, Some(pool), wall_secs));
+            speeds.push(measured(start, threads, Some(pool)));
         }
     }
     speeds
@@ -109,11 +119,16 @@ fn speed(
     simulation.set_threads(threads);
     let start_secs = simulation.state().time_secs;
     let passed = |simulation: &Simulation<f32>| simulation.state().time_secs - start_secs;
-    let (mut report, mut timer) = (StepReport::default(), WallTimer::default());
+    let (mut report, mut timer, mut exploded_at_secs) = (StepReport::default(), WallTimer::default(), None);
     let begin = Instant::now();
     let mut run = || {
         while begin.elapsed().as_secs_f64() < wall_secs && passed(&simulation) < MAX_SIMULATED_SECS {
-            report.add(&simulation.step_timed(&mut timer));
+            let step = simulation.step_timed(&mut timer);
+            report.add(&step);
+            if step.diverged {
+                exploded_at_secs = Some(simulation.state().time_secs);
+                return;
+            }
         }
     };
     match pool {
@@ -124,7 +139,16 @@ fn speed(
     let particles = simulation.model().particle_count();
     let meeting = body_contact_speed(simulation.model().bodies.len(), &report, &timer, wall);
     let real_time_factor = simulated_secs / wall;
-    SceneSpeed { scene: scene.to_owned(), particles, threads, simulated_secs, real_time_factor, meeting }
+    SceneSpeed {
+        scene: scene.to_owned(),
+        particles,
+        threads,
+        simulated_secs,
+        real_time_factor,
+        exploded_at_secs,
+        modes_as_cells: false,
+        meeting,
+    }
 }
 
 /// Contact between a number of bodies over some time of the wall clock, s.

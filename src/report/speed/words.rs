@@ -32,7 +32,14 @@ fn write_page(text: &mut String, figures: &SpeedFigures) -> std::fmt::Result {
         let SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor, .. } = speed;
         // This shows three digits of a value that may be hundreds or hundredths.
         let digits = if *real_time_factor < 1.0 { 3 } else { usize::from(*real_time_factor < 10.0) };
-        writeln!(text, "| {scene} | {particles} | {threads} | {simulated_secs:.2} | {real_time_factor:.digits$} |")?;
+        let exploded = speed.exploded_at_secs.map_or_else(String::new, |secs| format!(", exploded at {secs:.3} s"));
+        writeln!(
+            text,
+            "| {scene} | {particles} | {threads} | {simulated_secs:.2} | {real_time_factor:.digits$}{exploded} |"
+        )?;
+    }
+    if figures.scenes.iter().any(|speed| speed.modes_as_cells) {
+        writeln!(text, "\nBodies that move by their modes are timed by their cells.")?;
     }
     if figures.scenes.iter().any(|speed| speed.meeting.is_some()) {
         write_meeting(text, &figures.scenes)?;
@@ -107,15 +114,22 @@ fn write_meeting(text: &mut String, scenes: &[SceneSpeed]) -> std::fmt::Result {
 /// The scenes.
 pub fn scenes_csv(scenes: &[SceneSpeed]) -> String {
     let mut text = "scene,particles,threads,simulated_secs,real_time_factor,bodies,contacts,contacts_per_sec,\
-                    points_per_sec,share\n"
+                    points_per_sec,share,exploded_at_secs\n"
         .to_owned();
-    for SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor, meeting } in scenes {
+    for SceneSpeed { scene, particles, threads, simulated_secs, real_time_factor, exploded_at_secs, meeting, .. } in
+        scenes
+    {
         let meeting = meeting.map_or(",,,,".to_owned(), |meeting| {
             let BodyContactSpeed { bodies, contacts, contacts_per_sec, points_per_sec, share } = meeting;
             format!("{bodies},{contacts},{contacts_per_sec},{points_per_sec},{share}")
         });
+        let exploded = exploded_at_secs.map_or_else(String::new, |secs| secs.to_string());
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "{},{particles},{threads},{simulated_secs},{real_time_factor},{meeting}", quoted(scene));
+        let _ = writeln!(
+            text,
+            "{},{particles},{threads},{simulated_secs},{real_time_factor},{meeting},{exploded}",
+            quoted(scene)
+        );
     }
     text
 }
