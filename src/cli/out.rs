@@ -20,6 +20,11 @@ pub(super) fn figures(text: &str) -> anyhow::Result<()> {
     print(&printable_lines(text))
 }
 
+/// Fails with what a report has found wrong.
+pub(super) fn outcome(defect: Option<String>) -> Result<(), Failure> {
+    defect.map_or(Ok(()), |words| Err(anyhow!("{words}; see the report").into()))
+}
+
 /// Prints one JSON object.
 pub(super) fn json(object: &serde_json::Value) -> anyhow::Result<()> {
     print(&serde_json::to_string_pretty(object)?)

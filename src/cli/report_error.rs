@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::Context;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -58,13 +58,14 @@ pub(super) fn run(args: &ErrorArgs) -> Result<(), Failure> {
     if let Some(part) = results.part() {
         return Ok(out::part(part, results.found().len(), options.form.json)?);
     }
-    let outcome = publish(results.found(), folder, options.form.json);
+    let defect = publish(results.found(), folder, options.form.json)?;
+    // Not before the page is written: what was measured may have taken hours.
     results.discard()?;
-    outcome
+    out::outcome(defect)
 }
 
-/// Prints the report, writes it, and fails if a scheme or the cells do not converge.
-pub(super) fn publish(found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<(), Failure> {
+/// Writes the report and prints it. Returns in words which scheme or cells do not converge.
+pub(super) fn publish(found: Vec<Piece>, folder: Option<&Path>, json: bool) -> Result<Option<String>, Failure> {
     let (mut scenes, mut cells) = (Vec::new(), Vec::new());
     for piece in found {
         match piece {
@@ -93,12 +94,10 @@ pub(super) fn publish(found: Vec<Piece>, folder: Option<&Path>, json: bool) -> R
     }
     if let Some(first) = scenes.iter().find(|figures| !figures.not_converging.is_empty()) {
         let ways = first.not_converging.join(", ");
-        return Err(anyhow!("{ways} does not converge on {:?}; see the report", first.scene).into());
+        return Ok(Some(format!("{ways} does not converge on {:?}", first.scene)));
     }
-    match cells.iter().find(|figures| !figures.converges) {
-        Some(first) => Err(anyhow!("the cells of the {} do not converge; see the report", first.case).into()),
-        None => Ok(()),
-    }
+    let first = cells.iter().find(|figures| !figures.converges);
+    Ok(first.map(|first| format!("the cells of the {} do not converge", first.case)))
 }
 
 /// Measures the scenes and cases one after another, except those that are kept.

@@ -8,6 +8,7 @@ use clap::Args;
 use serde::de::DeserializeOwned;
 
 use super::Failure;
+use super::out;
 use super::partial_results::{self, Head, Measurement};
 use super::report_options::make_folder;
 use super::{report_error, report_stability, sweep};
@@ -42,12 +43,12 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
         report_error::KIND => {
             let found = found(&parts)?;
             write(&report_error::FILES)?;
-            report_error::publish(found, Some(folder), args.json)
+            out::outcome(report_error::publish(found, Some(folder), args.json)?)
         }
         report_stability::KIND => {
             let found = found(&parts)?;
             write(&report_stability::FILES)?;
-            report_stability::publish(&about(measurement)?, found, Some(folder), args.json)
+            out::outcome(report_stability::publish(&about(measurement)?, found, Some(folder), args.json)?)
         }
         sweep::KIND => {
             let found = found(&parts)?;

@@ -119,6 +119,16 @@ impl Changes {
         }
     }
 
+    /// Refuses undivided steps, for a command that takes automatic stepping.
+    pub(super) fn check_automatic(&self) -> Result<(), Failure> {
+        match self.stepping.as_deref() {
+            Some("manual") => Err(Failure::usage(anyhow!(
+                "the report finds the limits of steps and tries automatic stepping: leave out --stepping manual"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
     /// Refuses all values set on a scene, for a command that was given no scene; `why` explains the refusal.
     pub(super) fn check_nothing_is_set(&self, why: &str) -> Result<(), Failure> {
         let Self { set, dt, integrator, stepping, divisions, up, .. } = self;

@@ -68,7 +68,7 @@ pub(super) fn draw(area: &Area<'_>, plot: &TimePlot) -> Drawn {
         .draw_series(LineSeries::new(front, BLACK.mix(0.35).stroke_width(5)))?
         .label("nothing is better in both")
         .legend(|(x, y)| PathElement::new([(x, y), (x + 16, y)], BLACK.mix(0.35).stroke_width(5)));
-    for (Curve { name, points }, color) in plot.curves.iter().zip(COLORS) {
+    for (Curve { name, points }, color) in plot.curves.iter().zip(COLORS.into_iter().chain([BLACK])) {
         let points = || points.iter().filter(|point| point.error_m > 0.0);
         chart
             .draw_series(LineSeries::new(points().map(Point::place), color.stroke_width(2)))?

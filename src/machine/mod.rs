@@ -47,7 +47,9 @@ fn free_of_system() -> Option<FreeMemory> {
 /// A number of bytes in words.
 pub fn bytes_text(bytes: u64) -> String {
     match bytes as f64 {
-        few if few < 1e9 => format!("{:.0} MB", (few / 1e6).max(1.0)),
+        few if few < 1e3 => format!("{few:.0} bytes"),
+        few if few < 1e6 => format!("{:.0} kB", few / 1e3),
+        few if few < 1e9 => format!("{:.0} MB", few / 1e6),
         many => format!("{:.1} GB", many / 1e9),
     }
 }
@@ -58,7 +60,8 @@ mod tests {
 
     #[test]
     fn bytes_are_told_as_people_count_them() {
-        assert_eq!(bytes_text(0), "1 MB", "nothing is free");
+        assert_eq!(bytes_text(64), "64 bytes");
+        assert_eq!(bytes_text(34_567), "35 kB");
         assert_eq!(bytes_text(345_678_901), "346 MB");
         assert_eq!(bytes_text(12_345_678_901), "12.3 GB");
     }

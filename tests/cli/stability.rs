@@ -1,5 +1,8 @@
 //! The stability report: what it prints, writes and refuses.
 
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
 use serde_json::Value;
 
 use crate::bad_input::{FAILED, USAGE, refused};
@@ -86,6 +89,48 @@ fn what_fails_fails_the_command() {
     let ran = folder.run(&line);
     assert_eq!(ran.code, Some(FAILED), "{ran:?}");
     assert!(ran.notes.contains("1 cases failed"), "{ran:?}");
+}
+
+#[test]
+fn undivided_steps_are_refused() {
+    let line = format!("report stability cube-on-plane {SMALL} --stepping manual");
+    refused(&Folder::new(), &line, USAGE, &["--stepping manual", "automatic"]);
+}
+
+#[test]
+fn bodies_that_would_meet_if_all_stood_in_one_place_keep_their_limit() {
+    let folder = Folder::new();
+    let body = |x: f64| format!("(shape: cube(cells: 2, size: 1), pose: (position: ({x:.1}, 0.0, 0.0)))");
+    folder.write("two.ron", format!("(version: 1, bodies: [{}, {}])", body(0.0), body(3.0)));
+    let report = folder.json("report stability two.ron --quick --json");
+    let case = &report["cases"][0];
+    assert!(case["ratio"].as_f64().is_some_and(|ratio| (0.3..=1.0).contains(&ratio)), "{case}");
+}
+
+#[test]
+fn what_was_measured_stays_until_its_page_is_written() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("made")).expect("a folder");
+    let mut program = Command::new(env!("CARGO_BIN_EXE_gelatin"))
+        .args("report stability tree coupler-7 coupler-8 --quick --scenes 0 -o made --threads 1".split(' '))
+        .current_dir(folder.path("."))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let rows = folder.path("made/stability.partial.jsonl");
+    while !rows.exists() {
+        assert!(program.try_wait().expect("it can be asked").is_none(), "it ended before it kept anything");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // Nothing can be written to a name that a folder has.
+    std::fs::create_dir(folder.path("made/stability.md")).expect("a folder in the way");
+    assert_eq!(program.wait().expect("it ends").code(), Some(FAILED));
+    assert!(rows.exists(), "the rows are there");
+    std::fs::remove_dir(folder.path("made/stability.md")).expect("out of the way");
+    let ran = folder.run("report stability tree coupler-7 coupler-8 --quick --scenes 0 -o made --threads 1");
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert!(!rows.exists() && folder.path("made/stability.md").is_file(), "{ran:?}");
 }
 
 #[test]

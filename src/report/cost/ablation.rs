@@ -11,7 +11,7 @@ use super::noise::{Change, median};
 use crate::geometry::Lattice;
 use crate::physics::Arrival;
 use crate::physics::{Plan, Quantity, Simulation};
-use crate::scene::{Family, Material, Scene};
+use crate::scene::{Family, Material, Scene, Springs};
 
 /// How often every variant is measured; and how often where a substep takes long.
 const ROUND_COUNTS: [usize; 2] = [15, 7];
@@ -100,7 +100,7 @@ pub(super) fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[
         compare("broad phase", true, planned(|plan| plan.broad_phase = false));
         compare("contact", false, planned(|plan| plan.contact = false));
     }
-    if plan.friction {
+    if plan.friction || (plan.between_bodies.is_some() && scene.bodies.len() > 1) {
         compare("friction", false, compiled(without_friction));
     }
     if scene.settings.body_contact {
@@ -129,19 +129,32 @@ pub(super) fn ablation(simulation: &Simulation<f32>, scene: &Scene, lattices: &[
 fn without_damping(scene: &mut Scene) {
     for body in &mut scene.bodies {
         match &mut body.material {
-            Material::Springs(springs) => {
-                for family in [&mut springs.structural, &mut springs.shear, &mut springs.bending] {
-                    family.damping = 0.0;
-                }
-            }
+            Material::Springs(springs) => undamp(springs),
             Material::Solid(solid) => solid.damping_ratio = 0.0,
         }
+        for inlay in &mut body.inlays {
+            undamp(&mut inlay.springs);
+            inlay.solid.damping_ratio = 0.0;
+        }
+        for part in &mut body.parts {
+            undamp(&mut part.springs);
+            part.solid.damping_ratio = 0.0;
+        }
+    }
+}
+
+fn undamp(springs: &mut Springs) {
+    for family in [&mut springs.structural, &mut springs.shear, &mut springs.bending] {
+        family.damping = 0.0;
     }
 }
 
 fn without_friction(scene: &mut Scene) {
     for obstacle in &mut scene.obstacles {
         (obstacle.friction_static, obstacle.friction_dynamic) = (0.0, 0.0);
+    }
+    for body in &mut scene.bodies {
+        (body.friction_static, body.friction_dynamic) = (0.0, 0.0);
     }
 }
 
@@ -253,4 +266,24 @@ fn colours(simulation: &Simulation<f32>) -> Ablation {
     }
     let [on, off] = &times;
     Ablation { feature: "colours".to_owned(), same_bits: simulation.hash() == before, ..compared("picture", on, off) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Body;
+    use crate::scene::body::Inlay;
+
+    #[test]
+    fn damping_that_is_left_out_is_left_out_of_inlays_too() {
+        let inlay = Inlay { min: [-9.0; 3], max: [9.0; 3], ..Inlay::default() };
+        let mut scene = Scene { bodies: vec![Body { inlays: vec![inlay], ..Body::default() }], ..Scene::default() };
+        let damped = |scene: &Scene| {
+            let mut simulation = Simulation::<f32>::from_scene(scene, "".as_ref()).expect("a sound scene");
+            simulation.step().counters.damped_link_forces
+        };
+        assert!(damped(&scene) > 0);
+        without_damping(&mut scene);
+        assert_eq!(damped(&scene), 0);
+    }
 }

@@ -47,6 +47,7 @@ pub fn isolated_bodies(scene: &Scene) -> Scene {
     alone.settings.gravity = [0.0; 3];
     alone.settings.stepping = Stepping::Manual;
     alone.settings.sleeping = false;
+    alone.settings.body_contact = false;
     for body in &mut alone.bodies {
         body.velocity = [0.0; 3];
         body.pose.position = [0.0; 3];
