@@ -91,6 +91,16 @@ impl Counters {
         self.iterations + SOLVE_WORK * self.solves
     }
 
+    /// Work of obstacles, the part of it that they gave, and the work of parting, J.
+    pub(in crate::physics) fn energy_from_outside(&self) -> [f64; 3] {
+        [self.obstacle_work_j, self.obstacle_gain_j, self.parting_work_j]
+    }
+
+    /// Takes back what was counted of a motion that is refused.
+    pub(in crate::physics) fn set_energy_from_outside(&mut self, energy: [f64; 3]) {
+        [self.obstacle_work_j, self.obstacle_gain_j, self.parting_work_j] = energy;
+    }
+
     /// Counts the work (J) of an obstacle in a contact with its surface, which moves at `speed` (m/s).
     pub(in crate::physics) fn add_obstacle_work(&mut self, work: f64, speed: f64) {
         self.obstacle_work_j += work;

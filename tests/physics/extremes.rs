@@ -173,7 +173,8 @@ fn scenes_that_once_exploded_do_not() {
     let fifth = [(3_877_375_996, 566), (668_480_849, 3098)];
     // A body that rides on a ball which turns: what links do on the chords of its way was counted as the ball's work.
     // A plane of 4.6 km that turns by a quarter within a step: the body about to be struck had half of the energy of that.
-    let sixth = [(1_012_288_173, 4041), (59_257_229, 6579)];
+    // A cube between a plane that turns and a capsule: the work in a motion that the implicit scheme refused was counted too.
+    let sixth = [(1_012_288_173, 4041), (59_257_229, 6579), (59_257_229, 593)];
     let editions = [
         (Edition::First, &scenes[..]),
         (Edition::Second, &second),

@@ -73,6 +73,7 @@ pub(super) fn advance<R: Real>(
         obstacles.place(model, state, part.secs);
         let work_before = recorder.counters.implicit_work();
         let pairs_before = workspace.contact.bodies.pushed_pairs.len();
+        let energy_before = recorder.counters.energy_from_outside();
         workspace.modal.discard_substep();
         let inputs = Inputs {
             obstacles,
@@ -87,6 +88,7 @@ pub(super) fn advance<R: Real>(
         state.work = state.work.saturating_add(recorder.counters.implicit_work() - work_before);
         if ending == Ending::Refused {
             workspace.contact.bodies.pushed_pairs.truncate(pairs_before);
+            recorder.counters.set_energy_from_outside(energy_before);
             match part.scheme {
                 Scheme::Implicit => division.divide_refused(plan, state, &mut recorder.counters),
                 _ => division.divide_torn(model, plan, state, workspace),
