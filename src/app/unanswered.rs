@@ -36,14 +36,8 @@ impl Change {
     /// The change by a command; none if it leaves the scene as it is.
     pub(super) fn by(command: &Command) -> Option<Self> {
         match command {
-            Command::Edit(edit) | Command::Drag(edit) => Some(match edit {
-                Edit::InsertBody(..) | Edit::RemoveBody(_) | Edit::InsertObstacle(..) | Edit::RemoveObstacle(_) => {
-                    Self::Other
-                }
-                Edit::Settings(_) | Edit::View(_) | Edit::Body(..) | Edit::Obstacle(..) => {
-                    Self::Replacement(edit.clone())
-                }
-            }),
+            Command::Edit(edit) | Command::Drag(edit) if edit.moves_places() => Some(Self::Other),
+            Command::Edit(edit) | Command::Drag(edit) => Some(Self::Replacement(edit.clone())),
             Command::Refill { id, body, .. } => Some(Self::Replacement(Edit::Body(*id, body.clone()))),
             Command::Undo
             | Command::Redo

@@ -48,6 +48,14 @@ impl Edit {
         }
     }
 
+    /// Whether bodies or obstacles get other places in their lists.
+    pub fn moves_places(&self) -> bool {
+        match self {
+            Self::InsertBody(..) | Self::RemoveBody(_) | Self::InsertObstacle(..) | Self::RemoveObstacle(_) => true,
+            Self::Settings(_) | Self::View(_) | Self::Body(..) | Self::Obstacle(..) => false,
+        }
+    }
+
     /// Whether it replaces a node that the scene has.
     pub fn replaces_a_node_of(&self, scene: &Scene) -> bool {
         match self {

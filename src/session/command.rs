@@ -172,7 +172,7 @@ impl Command {
     pub fn waits_for_no_substep(&self) -> bool {
         match self {
             // Until it is answered, nothing else can be changed: which thing is where is not known.
-            Self::Edit(edit) => !edit.replaces_same_node_as(edit),
+            Self::Edit(edit) => edit.moves_places(),
             Self::Play
             | Self::SetSpeed(_)
             | Self::Drag(_)

@@ -92,25 +92,20 @@ pub(super) fn measure(
     pool: Option<&ThreadPool>,
 ) -> Vec<SceneSpeed> {
     let mut speeds = Vec::new();
-    for TimedScene { name, scene, lattices, settling_secs } in scenes {
-        let mut start = Simulation::<f32>::new(scene, lattices);
-        start.run_for(*settling_secs);
-        let modes_as_cells = scene.bodies.iter().any(|body| body.moves_by == MovesBy::Modes);
-        let measured = |simulation, threads, pool| SceneSpeed {
-            modes_as_cells,
-            ..speed(name, simulation, threads, pool, wall_secs)
-        };
-        speeds.push(measured(start.clone(), 1, None));
+    for timed in scenes {
+        let mut start = Simulation::<f32>::new(&timed.scene, &timed.lattices);
+        start.run_for(timed.settling_secs);
+        speeds.push(speed(timed, start.clone(), 1, None, wall_secs));
         let threads = start.threads_worth(threads);
         if let Some(pool) = pool.filter(|_| threads > 1) {
-            speeds.push(measured(start, threads, Some(pool)));
+            speeds.push(speed(timed, start, threads, Some(pool), wall_secs));
         }
     }
     speeds
 }
 
 fn speed(
-    scene: &str,
+    TimedScene { name, scene, .. }: &TimedScene,
     mut simulation: Simulation<f32>,
     threads: usize,
     pool: Option<&ThreadPool>,
@@ -140,13 +135,13 @@ fn speed(
     let meeting = body_contact_speed(simulation.model().bodies.len(), &report, &timer, wall);
     let real_time_factor = simulated_secs / wall;
     SceneSpeed {
-        scene: scene.to_owned(),
+        scene: name.clone(),
         particles,
         threads,
         simulated_secs,
         real_time_factor,
         exploded_at_secs,
-        modes_as_cells: false,
+        modes_as_cells: scene.bodies.iter().any(|body| body.moves_by == MovesBy::Modes),
         meeting,
     }
 }
