@@ -1,12 +1,12 @@
 //! The pile of the comparison: the jellies of a preset before they fall.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use crate::geometry::Lattice;
 use crate::physics::{BodyModel, Simulation};
-use crate::scene::resolve::{ResolveError, resolve};
+use crate::report::extremes::lattices;
+use crate::scene::resolve::ResolveError;
 use crate::scene::{Scene, presets};
 
 /// The preset.
@@ -30,8 +30,7 @@ impl Pile {
         for body in &mut scene.bodies {
             body.self_collides = false;
         }
-        let resolved = scene.bodies.iter().map(|body| Ok(resolve(&body.shape, Path::new("."), &())?.lattice));
-        let lattices = resolved.collect::<Result<Vec<_>, ResolveError>>()?;
+        let lattices = lattices(&scene)?;
         let bodies = Simulation::<f64>::new(&scene, &lattices).model().bodies.clone();
         Ok(Self { scene, lattices, bodies })
     }

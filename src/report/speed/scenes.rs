@@ -1,6 +1,5 @@
 //! Scenes beside real time: from their start, as a person sees them who opens them; bodies that meet, from when they meet.
 
-use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -10,9 +9,10 @@ use serde::Serialize;
 use crate::geometry::Lattice;
 use crate::machine::threads::kept_awake;
 use crate::physics::{Simulation, StepReport};
+use crate::report::extremes::lattices;
 use crate::report::timer::WallTimer;
 
-use crate::scene::resolve::{ResolveError, resolve};
+use crate::scene::resolve::ResolveError;
 use crate::scene::{MovesBy, Scene, presets};
 
 /// The most simulated time, s: bodies at rest after that cost nothing.
@@ -41,10 +41,7 @@ impl TimedScene {
     /// Makes the scenes of the report itself.
     pub(super) fn own() -> Result<Vec<Self>, ResolveError> {
         let timed = |(name, scene): (&str, Scene)| {
-            let mut lattices = Vec::new();
-            for body in &scene.bodies {
-                lattices.push(resolve(&body.shape, Path::new("."), &())?.lattice);
-            }
+            let lattices = lattices(&scene)?;
             let settling_secs = if name == PILE_SCENE { PILE_SETTLING_SECS } else { 0.0 };
             Ok(Self { name: name.to_owned(), scene, lattices, settling_secs })
         };
