@@ -53,6 +53,9 @@ impl Measurement {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Head {
     pub(super) measurement: Measurement,
+    /// A checksum of the program that found the pieces, if it can be read: another one may find others. Parts that are merged
+    /// may be of programs built on different machines.
+    program: Option<String>,
     pub(super) shard: Option<Shard>,
 }
 
@@ -81,11 +84,18 @@ impl<T: Clone + Serialize + DeserializeOwned> PartialResults<T> {
     /// Opens the results that an interrupted run of the same measurement left in the folder, if one is given.
     pub(super) fn open(folder: Option<&Path>, measurement: Measurement, shard: Option<Shard>) -> Result<Self> {
         let path = folder.map(|folder| folder.join(Measurement::file_name(&measurement.kind, shard)));
-        let head = Head { measurement, shard };
+        let head = Head { measurement, program: folder.and_then(|_| checksum_of_this_program()), shard };
         let mut inner = Inner { found: BTreeMap::new(), file: None };
         if let Some(path) = &path {
-            let left = read::<T>(path).ok().filter(|(left, _)| *left == head);
-            inner.found = left.map(|(_, found)| found).unwrap_or_default();
+            if let Ok((left, found)) = read::<T>(path) {
+                if left == head && head.program.is_some() {
+                    inner.found = found;
+                } else if !found.is_empty() {
+                    let of = if left.measurement == head.measurement { "program" } else { "measurement" };
+                    let (count, file) = (found.len(), echo_path(path));
+                    out::note(&format!("{file} held {count} pieces of another {of}; all are measured anew"));
+                }
+            }
             let mut text = line(&head)?;
             for (piece, found) in &inner.found {
                 text += &line(&Line { piece: *piece, found })?;
@@ -143,6 +153,11 @@ impl<T: Clone + Serialize + DeserializeOwned> PartialResults<T> {
     }
 }
 
+fn checksum_of_this_program() -> Option<String> {
+    let bytes = disk::read(&std::env::current_exe().ok()?, u64::MAX).ok()?;
+    Some(format!("{:016x}", fnv1a(&bytes)))
+}
+
 fn line(value: &impl Serialize) -> Result<String> {
     Ok(serde_json::to_string(value).context("figures cannot be written down")? + "\n")
 }
@@ -195,6 +210,18 @@ mod tests {
         second.add(0, 2.0).expect("kept");
         assert_eq!(kept(folder.path(), "a", None).missing(), [1, 2, 4], "lines after a cut off one are whole");
         assert_eq!(kept(folder.path(), "b", None).missing(), [0, 1, 2, 3, 4], "another measurement begins anew");
+    }
+
+    #[test]
+    fn pieces_of_another_program_are_measured_anew() {
+        let folder = tempfile::tempdir().expect("a folder");
+        kept(folder.path(), "a", None).add(3, 1.0).expect("kept");
+        let path = folder.path().join("error.partial.jsonl");
+        let own = checksum_of_this_program().expect("it can be read");
+        let text = std::fs::read_to_string(&path).expect("the file");
+        assert!(text.contains(&own), "{text}");
+        std::fs::write(&path, text.replace(&own, "0123456789abcdef")).expect("written");
+        assert_eq!(kept(folder.path(), "a", None).missing(), [0, 1, 2, 3, 4]);
     }
 
     #[test]

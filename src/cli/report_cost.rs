@@ -55,7 +55,7 @@ fn measure(options: &ReportOptions) -> Result<Vec<CostFigures>, Failure> {
     let subjects = options.subjects(own)?;
     let progress = Progress::new("scenes");
     let mut figures = Vec::new();
-    for Subject { name, scene, lattices } in &subjects {
+    for Subject { name, scene, lattices, .. } in &subjects {
         figures.push(cost::cost(name, scene, lattices, options.form.full_or_quick(PATIENCE)));
         progress.progress(figures.len() as f64 / subjects.len() as f64);
     }

@@ -112,7 +112,7 @@ fn measure(
     for (done, piece) in missing.iter().enumerate() {
         let progress = |name: &str| Progress::new(&format!("{name} ({} of {})", done + 1, missing.len()));
         let found = match (subjects.get(*piece), cases.get(piece.saturating_sub(subjects.len()))) {
-            (Some(Subject { name, scene, lattices }), _) => {
+            (Some(Subject { name, scene, lattices, .. }), _) => {
                 error::measure(name, scene, lattices, effort, &progress(name)).map(Piece::Scene)
             }
             (None, Some(case)) => cells::measure(*case, options.form.quick, &progress(case.name())).map(Piece::Cells),

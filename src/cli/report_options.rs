@@ -12,6 +12,7 @@ use super::out::{self, Progress};
 use super::scene_args::Changes;
 use crate::geometry::Lattice;
 use crate::scene::Scene;
+use crate::session;
 use crate::session::document::Opened;
 use crate::text::echo_path;
 
@@ -46,14 +47,18 @@ pub(super) struct ReportForm {
 pub(super) struct Subject {
     pub(super) name: String,
     pub(super) scene: Scene,
+    /// The folder that relative model paths start at.
+    base_dir: PathBuf,
     pub(super) lattices: Vec<Arc<Lattice>>,
 }
 
 /// Describes everything that the figures of some scenes depend on.
 pub(super) fn described(subjects: &[Subject]) -> Result<String, Failure> {
-    let one = |Subject { name, scene, .. }: &Subject| scene.to_ron().map(|ron| format!("{name} {ron}"));
-    let all: Result<Vec<String>, _> = subjects.iter().map(one).collect();
-    Ok(all.context("a scene cannot be written down")?.join("\n"))
+    let one = |Subject { name, scene, base_dir, .. }: &Subject| -> anyhow::Result<String> {
+        let checksum = session::checksum(scene, base_dir).with_context(|| format!("{name} cannot be measured"))?;
+        Ok(format!("{name} {checksum:016x}"))
+    };
+    Ok(subjects.iter().map(one).collect::<anyhow::Result<Vec<String>>>()?.join("\n"))
 }
 
 impl ReportOptions {
@@ -72,7 +77,7 @@ impl ReportOptions {
         }
         let subject = |opened: Opened| {
             let lattices = opened.lattices(&Progress::new("filling"))?;
-            Ok(Subject { name: opened.title, scene: opened.scene, lattices })
+            Ok(Subject { name: opened.title, scene: opened.scene, base_dir: opened.base_dir, lattices })
         };
         opened.into_iter().map(subject).collect()
     }

@@ -48,7 +48,7 @@ fn figures(options: &ReportOptions) -> Result<SpeedFigures, Failure> {
         let found = measure(effort, threads, options.changes.simd_level(), &Progress::new("cubes"));
         return Ok(found.context("a cube cannot be made")?.context("the measurement did not end")?);
     }
-    let timed = |Subject { name, scene, lattices }: Subject| TimedScene::from_start(name, scene, lattices);
+    let timed = |Subject { name, scene, lattices, .. }: Subject| TimedScene::from_start(name, scene, lattices);
     let scenes: Vec<_> = options.subjects(Vec::new)?.into_iter().map(timed).collect();
     Ok(measure_scenes(&scenes, effort, threads))
 }

@@ -220,7 +220,7 @@ fn measure(about: &About, all: &[Work<'_>], results: &PartialResults<Piece>) -> 
 fn measured(about: &About, work: &Work<'_>) -> Result<Piece, Failure> {
     let unmade = "a cube cannot be made";
     Ok(match work {
-        Work::Case(Subject { name, scene, lattices }) => {
+        Work::Case(Subject { name, scene, lattices, .. }) => {
             Piece::Case(stability::case(name, scene, lattices, about.quick))
         }
         Work::Random(number) => random(about, *number)?,

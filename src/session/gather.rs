@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::model_paths;
-use crate::disk::{self, ReadError, folder_of};
+use crate::disk::{self, ReadError, fnv1a, folder_of};
 use crate::geometry::import::{self, Detail, ImportError, MAX_FILE_BYTES};
 use crate::scene::embedded::{EmbeddedFile, PREFIX};
 use crate::scene::file::SceneFileError;
@@ -156,6 +156,24 @@ pub(super) fn with_models_inside(scene: &Scene, base_dir: &Path) -> Result<Scene
     Ok(scene)
 }
 
+/// Returns a checksum of a scene and of all files that its models are read from.
+///
+/// # Errors
+/// If a model cannot be read.
+pub fn checksum(scene: &Scene, base_dir: &Path) -> Result<u64, CollectError> {
+    // Models that the scene holds are in its text.
+    let mut all = scene.to_ron()?.into_bytes();
+    for Gathered { place, from } in gather(&mut scene.clone(), base_dir, "")? {
+        if let Source::Disk(from) = from {
+            let read = disk::read(&from, MAX_FILE_BYTES);
+            let bytes = read.map_err(|source| CollectError::Beside { path: from, source })?;
+            all.extend_from_slice(place.as_bytes());
+            all.extend_from_slice(&fnv1a(&bytes).to_le_bytes());
+        }
+    }
+    Ok(fnv1a(&all))
+}
+
 /// Returns the files of a model on the disk, the model first, with their names as seen from its folder.
 fn files_on_disk(path: &Path, whose: &str) -> Result<Vec<(String, Source)>, CollectError> {
     // A model that another person could not open is refused now.
@@ -197,5 +215,32 @@ fn with_number(name: &str, number: u32) -> String {
     match name.rsplit_once('.') {
         Some((stem, ending)) => format!("{stem}-{number}.{ending}"),
         None => format!("{name}-{number}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::presets::drop_model;
+
+    const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+    #[test]
+    fn the_checksum_follows_the_scene_and_the_files_of_its_models() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("model.obj");
+        let write = |text: &str| std::fs::write(&file, text).expect("written");
+        write(OBJ);
+        let mut scene = drop_model("model.obj");
+        let own = |scene: &Scene| checksum(scene, folder.path()).expect("it can be read");
+        let before = own(&scene);
+        assert_eq!(own(&scene), before, "of the same");
+        write(&OBJ.replace("v 0 0 1", "v 0 0 2"));
+        assert_ne!(own(&scene), before, "another model under the same name");
+        write(OBJ);
+        scene.settings.dt *= 2.0;
+        assert_ne!(own(&scene), before, "another step");
+        std::fs::remove_file(&file).expect("removed");
+        assert!(checksum(&scene, folder.path()).is_err(), "no model");
     }
 }

@@ -71,6 +71,7 @@ pub use command::{BoxOfBody, CellTouch, Command, Pull};
 pub use costs::{StageCost, StepCost};
 pub use cures::Cure;
 pub use error::SessionError;
+pub use gather::checksum;
 pub use slowness::KEEPS_UP;
 pub use status::{BodyStatus, SafeValue, Status};
 pub use trouble::Trouble;

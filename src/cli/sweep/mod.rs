@@ -25,8 +25,8 @@ use super::scene_args::{self, SceneArgs};
 use super::shard::Shard;
 use super::tally::Tally;
 use crate::scene::Scene;
-use crate::session::Session;
 use crate::session::run::run as run_session;
+use crate::session::{self, Session};
 use axis::Axis;
 use row::Row;
 
@@ -81,7 +81,7 @@ pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let opened = args.scene.open()?;
     let scene = opened.scene.clone();
     axis::check(&args.over, &scene)?;
-    let ron = scene.to_ron().context("the scene cannot be written down")?;
+    let checksum = session::checksum(&scene, &opened.base_dir).context("the scene cannot be swept")?;
     let mut base = scene_args::session(opened)?;
     scene_args::find_modes(&mut base);
     let specimen = serde_json::to_value(run_session(&mut base, 0.0, &()))?;
@@ -89,7 +89,7 @@ pub(super) fn run(args: &SweepArgs) -> Result<(), Failure> {
     let title = specimen["scene"].as_str().unwrap_or_default().to_owned();
     let about = About { scene: title, over: args.over.clone(), figures: names, seconds: args.seconds };
     let all = axis::combinations(&about.over);
-    let measurement = Measurement::new(KIND, all.len(), serde_json::to_value(&about)?, &ron);
+    let measurement = Measurement::new(KIND, all.len(), serde_json::to_value(&about)?, &format!("{checksum:016x}"));
     let results = PartialResults::open(args.output.as_deref(), measurement, args.shard)?;
     measure(&base, &about, &all, &results)?;
     if let Some(part) = results.part() {

@@ -19,8 +19,9 @@ fn write_page(text: &mut String, scenes: &[CostFigures], crowd: &[CrowdRow]) -> 
         text,
         "\nTimes of stages are sums over the run, by the clock. A feature is compared by substeps with and without it, in \
          turn, from the same state, in time of the processor: median of fifteen pairs, in brackets the spread without the \
-         two least and the two most of them. Where that holds both more and less, the pairs do not agree, and the change \
-         is within the noise of the machine. The control compares a scene with itself.\n\n\
+         two least and the two most of them; where a substep takes more than 20 ms, of seven and without one of each. \
+         Where that holds both more and less, the pairs do not agree, and the change is within the noise of the machine. \
+         The control compares a scene with itself.\n\n\
          | scene | particles | links | µs a substep | most of it | left out |\n|---|---|---|---|---|---|"
     )?;
     for figures in scenes {
