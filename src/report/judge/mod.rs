@@ -140,6 +140,10 @@ pub fn judge_with_events<R: Real>(
             judge.add_sudden_work(has - had);
             on_event(JudgeEvent::Disturbed(disturbance, has - had));
         }
+        if before.is_some() && judge.sample_pending {
+            // The push in the coming substep, which the sample has half of, is another one now.
+            judge.take_sample(&simulation);
+        }
         let goes_on = judge.substep(&mut simulation);
         judge.samples.iter().for_each(|sample| on_event(JudgeEvent::Sample(sample)));
         if !goes_on {
