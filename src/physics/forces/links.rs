@@ -98,7 +98,7 @@ pub(in crate::physics) fn for_each_link<R: Real>(
 }
 
 /// Whether the damping of a family is evaluated.
-pub(super) fn is_damped<R: Real>(plan: &Plan, family: &LinkFamily<R>) -> bool {
+pub(in crate::physics) fn is_damped<R: Real>(plan: &Plan, family: &LinkFamily<R>) -> bool {
     family.damping > R::ZERO || !plan.lean
 }
 

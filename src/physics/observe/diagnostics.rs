@@ -9,7 +9,6 @@ use glam::DVec3;
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::contact::bodies::pair_law;
 use crate::physics::contact::{ContactRecord, Placed};
-use crate::physics::forces;
 use crate::physics::forces::recovery;
 use crate::physics::model::Scheme;
 use crate::physics::model::plan::Plan;
@@ -244,36 +243,4 @@ impl<'a, R: Real> NextSubstep<'a, R> {
         sum.finite &= sum.energy.total().is_finite() && sum.momentum.is_finite() && sum.center.is_finite();
         sum
     }
-}
-
-/// Mean magnitude of the link forces on every particle of the scene, and their sum, N.
-pub(in crate::physics) fn link_loads<R: Real>(
-    model: &Model<R>,
-    plan: &Plan,
-    state: &State<R>,
-) -> (Vec<R>, Vec<R::Vec3>) {
-    let count = model.particle_count();
-    let mut magnitude = vec![R::ZERO; count];
-    let mut links = vec![R::ZERO; count];
-    let mut sum = vec![R::Vec3::ZERO; count];
-    for body in &model.bodies {
-        let range = body.particles.clone();
-        let (position, velocity) = (&state.position[range.clone()], &state.velocity[range.clone()]);
-        forces::links::for_each_link(body, plan, position, velocity, &|| false, |[i, j], on_i| {
-            let (i, j) = (range.start + i, range.start + j);
-            let strength = on_i.length();
-            for end in [i, j] {
-                magnitude[end] += strength;
-                links[end] += R::ONE;
-            }
-            sum[i] += on_i;
-            sum[j] -= on_i;
-        });
-    }
-    for (magnitude, links) in magnitude.iter_mut().zip(links) {
-        if links > R::ZERO {
-            *magnitude = *magnitude / links;
-        }
-    }
-    (magnitude, sum)
 }

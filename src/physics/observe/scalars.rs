@@ -2,7 +2,7 @@
 
 use crate::math::{Real, Vector};
 use crate::physics::model::{BodyModel, Values};
-use crate::physics::observe::diagnostics::link_loads;
+use crate::physics::observe::link_loads::{link_forces, mean_link_forces};
 use crate::physics::simulation::Simulation;
 
 /// A scalar of every particle.
@@ -29,8 +29,8 @@ impl<R: Real> Simulation<R> {
     pub fn scalars(&self, quantity: Quantity) -> Vec<f32> {
         let (model, plan, state) = (self.model(), self.plan(), self.state());
         let shown: Vec<R> = match quantity {
-            Quantity::MeanLinkForce => link_loads(model, plan, state).0,
-            Quantity::LinkForce => link_loads(model, plan, state).1.into_iter().map(Vector::length).collect(),
+            Quantity::MeanLinkForce => mean_link_forces(model, plan, state),
+            Quantity::LinkForce => link_forces(model, plan, state).into_iter().map(Vector::length).collect(),
             Quantity::NetForce => self.net_forces().into_iter().map(Vector::length).collect(),
             Quantity::Strain => self.strains(),
             Quantity::Speed => state.velocity.iter().map(|v| v.length()).collect(),
@@ -48,7 +48,7 @@ impl<R: Real> Simulation<R> {
     /// Weight, link and contact forces together, N.
     fn net_forces(&self) -> Vec<R::Vec3> {
         let (model, state) = (self.model(), self.state());
-        let (_, mut force) = link_loads(model, self.plan(), state);
+        let mut force = link_forces(model, self.plan(), state);
         for body in &model.bodies {
             for (local, particle) in body.particles.clone().enumerate() {
                 force[particle] += model.gravity * body.mass(local);
