@@ -266,6 +266,11 @@ impl PointConstraint {
         movers.velocity_now(self.shares) - self.surface_velocity
     }
 
+    /// The impulse of friction, N·s, and about how much slower it makes the point, m/s.
+    pub(super) fn friction(&self) -> (DVec3, f64) {
+        (self.friction_impulse, self.friction_impulse.length() * self.mobility[1])
+    }
+
     /// How far its spring is pressed at the end of a substep of `dt` (s), m.
     pub(in crate::physics::contact) fn pressed_at_end(&self, movers: &Movers, dt: f64) -> f64 {
         let way = dt * self.relative_velocity(movers).dot(self.normal);

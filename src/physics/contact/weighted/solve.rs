@@ -20,6 +20,14 @@ const SETTLED_SHARE: f64 = 1e-3;
 const MAX_MODAL_ROUNDS: usize = 32;
 const MODAL_SETTLED_SHARE: f64 = 1e-6;
 
+/// Friction drives where its impulses, times the velocities after contact, give more than this share of what they give times the
+/// velocities that they take away.
+const DRIVING_SHARE: f64 = 5e-3;
+
+/// How often so many rounds more are made while friction drives.
+const MAX_REPEATS: usize = 6;
+const REPEATED_ROUNDS: usize = 8;
+
 /// Rounding error of energies, as a share of the kinetic energy.
 const ROUNDING_SHARE: f64 = 1e-12;
 
@@ -31,15 +39,35 @@ pub(in crate::physics::contact) fn solve(
     modal: &mut impl ModalBodies,
     dt: f64,
 ) {
-    settle(PointFriction::Coulomb, constraints, movers, modal);
+    let (rounds, settled) =
+        if movers.modal.is_empty() { (MAX_ROUNDS, SETTLED_SHARE) } else { (MAX_MODAL_ROUNDS, MODAL_SETTLED_SHARE) };
+    settle(PointFriction::Coulomb, (rounds, settled), constraints, movers, modal);
+    for _ in 0..MAX_REPEATS {
+        if !friction_drives(constraints, movers) {
+            break;
+        }
+        settle(PointFriction::Coulomb, (REPEATED_ROUNDS, settled), constraints, movers, modal);
+    }
     let rounding = ROUNDING_SHARE * (kinetic_energy(movers) + movers.modal.kinetic_energy());
     let gain = total_energy_gain(constraints, movers, dt);
-    if gain.friction > rounding || gain.normal + gain.friction > gain.max_parting + rounding {
+    let gives = gain.friction > rounding || gain.normal + gain.friction > gain.max_parting + rounding;
+    if gives || friction_drives(constraints, movers) {
         constraints.iter_mut().for_each(PointConstraint::reset);
         movers.forget_changes();
         modal.reset();
-        settle(PointFriction::Without, constraints, movers, modal);
+        settle(PointFriction::Without, (rounds, settled), constraints, movers, modal);
     }
+}
+
+/// Whether friction would give energy to bodies that move as they do after contact.
+fn friction_drives(constraints: &[PointConstraint], movers: &Movers) -> bool {
+    let (mut given, mut taken) = (0.0, 0.0);
+    for constraint in constraints {
+        let (impulse, velocity_taken) = constraint.friction();
+        given += impulse.dot(constraint.relative_velocity(movers));
+        taken += impulse.length() * velocity_taken;
+    }
+    given > DRIVING_SHARE * taken
 }
 
 /// The energy that all contacts together give the bodies.
@@ -54,15 +82,14 @@ fn total_energy_gain(constraints: &[PointConstraint], movers: &Movers, dt: f64) 
     })
 }
 
+/// Solves contact by contact, in so many rounds at most, until the contacts have settled to a share of the first.
 fn settle(
     friction: PointFriction,
+    (rounds, settled): (usize, f64),
     constraints: &mut [PointConstraint],
     movers: &mut Movers,
     modal: &mut impl ModalBodies,
 ) {
-    let is_modal = !movers.modal.is_empty();
-    let (rounds, settled) =
-        if is_modal { (MAX_MODAL_ROUNDS, MODAL_SETTLED_SHARE) } else { (MAX_ROUNDS, SETTLED_SHARE) };
     let mut first = 0.0_f64;
     for round in 0..rounds {
         let mut largest = 0.0_f64;
