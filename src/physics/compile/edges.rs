@@ -46,35 +46,29 @@ const AROUND_BALL: [[i8; 3]; 14] = [
     [-1, -1, -1],
 ];
 
-/// What edges have to fit, m.
+/// What the edges that a body meets have to fit, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EdgeSizes {
-    /// The distance between points that every body needs.
+    /// The distance between points that it needs.
     pub(super) spacing: f64,
-    /// The size of the largest cells of a body.
-    pub(super) largest_cell: f64,
+    /// The size of its cells.
+    pub(super) cell: f64,
 }
 
 impl EdgeSizes {
-    /// Those for bodies of these cells; none where there is no body.
-    pub(super) fn of<'a>(lattices: impl Iterator<Item = &'a Lattice>) -> Option<Self> {
-        let of_one = |lattice: &Lattice| {
-            let (cell, longest) = (lattice.grid.cell_size, lattice.grid.dims.iter().max());
-            let in_body = SPACING_IN_BODY * longest.map_or(1.0, |cells| f64::from(*cells));
-            Self { spacing: in_body.min(1.0) * cell, largest_cell: cell }
-        };
-        lattices.map(of_one).reduce(|one, other| Self {
-            spacing: one.spacing.min(other.spacing),
-            largest_cell: one.largest_cell.max(other.largest_cell),
-        })
+    /// Those for a body of these cells.
+    pub(super) fn of(lattice: &Lattice) -> Self {
+        let (cell, longest) = (lattice.grid.cell_size, lattice.grid.dims.iter().max());
+        let in_body = SPACING_IN_BODY * longest.map_or(1.0, |cells| f64::from(*cells));
+        Self { spacing: in_body.min(1.0) * cell, cell }
     }
 }
 
-/// The edges of an obstacle.
+/// The edges of an obstacle for a body.
 pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, sizes: EdgeSizes) -> Edges {
-    let EdgeSizes { spacing, largest_cell } = sizes;
+    let EdgeSizes { spacing, cell } = sizes;
     let mut list = EdgeList::new(spacing);
-    let is_thin = |radius: f64| 2.0 * radius < largest_cell;
+    let is_thin = |radius: f64| 2.0 * radius < cell;
     match shape {
         ObstacleShape::Plane(plane) => list.add_rim(plane.half_extents.map(Real::to_f64)),
         ObstacleShape::Sphere { radius, .. } => {
@@ -87,7 +81,7 @@ pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, sizes: EdgeSizes) -> Edge
             }
         }
         ObstacleShape::Oriented(model) => match model.form {
-            OrientedForm::Box { half_extents } => list.add_box(half_extents.map(Real::to_f64), largest_cell),
+            OrientedForm::Box { half_extents } => list.add_box(half_extents.map(Real::to_f64), cell),
             OrientedForm::Capsule { radius, half_height } => {
                 let [radius, half_height] = [radius, half_height].map(Real::to_f64);
                 if is_thin(radius) {
@@ -102,7 +96,7 @@ pub(super) fn edges<R: Real>(shape: &ObstacleShape<R>, sizes: EdgeSizes) -> Edge
                 list.add_cylinder(radius, half_height, is_thin(radius));
             }
         },
-        ObstacleShape::Mesh(mesh) => list.add_mesh(mesh, largest_cell),
+        ObstacleShape::Mesh(mesh) => list.add_mesh(mesh, cell),
     }
     Edges::new(list.edges)
 }
@@ -255,11 +249,11 @@ mod tests {
     use crate::scene::obstacle::{Capsule, Cuboid, Cylinder, Plane, Sphere};
     use crate::scene::{self, Obstacle};
 
-    const SIZES: EdgeSizes = EdgeSizes { spacing: 0.05, largest_cell: 0.2 };
+    const SIZES: EdgeSizes = EdgeSizes { spacing: 0.05, cell: 0.2 };
 
     fn of(shape: scene::ObstacleShape) -> Vec<Edge> {
-        let made = obstacles::<f64>(&[Obstacle { shape, ..Obstacle::default() }], Some(SIZES), None);
-        made[0].edges.near(|_, _| true).copied().collect()
+        let made = obstacles::<f64>(&[Obstacle { shape, ..Obstacle::default() }], &[SIZES], None);
+        made[0].edges[0].near(|_, _| true).copied().collect()
     }
 
     fn of_box(half_extents: [f64; 3]) -> Vec<Edge> {
@@ -274,6 +268,16 @@ mod tests {
             assert!(edge.first == next && apart <= 0.05 + 1e-12, "{edge:?}");
             next = edge.first + edge.count;
         }
+    }
+
+    #[test]
+    fn every_body_has_points_as_close_as_its_own_cells_need() {
+        let wall = scene::ObstacleShape::Box(Cuboid { half_extents: [0.5, 0.05, 0.5], ..Cuboid::default() });
+        let large = EdgeSizes { spacing: 0.5, cell: 2.0 };
+        let made = obstacles::<f64>(&[Obstacle { shape: wall, ..Obstacle::default() }], &[SIZES, large, SIZES], None);
+        let [small_count, large_count, _] = [0, 1, 2].map(|body: usize| made[0].edges[body].point_count());
+        assert!(small_count > 10 * large_count, "{small_count} and {large_count} points");
+        assert!(std::sync::Arc::ptr_eq(&made[0].edges[0], &made[0].edges[2]), "bodies of like cells share them");
     }
 
     #[test]

@@ -135,7 +135,7 @@ mod tests {
     use crate::scene::resolve::resolve;
     use crate::scene::{self, Body, Obstacle, Scene, builtin};
 
-    const SIZES: EdgeSizes = EdgeSizes { spacing: 0.05, largest_cell: 0.2 };
+    const SIZES: EdgeSizes = EdgeSizes { spacing: 0.05, cell: 0.2 };
 
     fn of_mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<Edge> {
         let mesh =
@@ -226,7 +226,7 @@ mod tests {
         let scene = comb(0.0, 1.0);
         let lattices = [resolve(&scene.bodies[0].shape, Path::new("."), &()).expect("a cube").lattice];
         let mut simulation = Simulation::<f32>::new(&scene, &lattices);
-        let edges = |simulation: &Simulation<f32>| Arc::clone(&simulation.model().obstacles[0].edges);
+        let edges = |simulation: &Simulation<f32>| Arc::clone(&simulation.model().obstacles[0].edges[0]);
         let first = edges(&simulation);
         assert!(!first.is_empty());
         simulation.set_parameters(&comb(0.5, 1.0), &lattices, &[Some(0)], Arrival::Swept);

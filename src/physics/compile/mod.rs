@@ -136,10 +136,10 @@ pub(super) fn compile<R: Real>(
 ) -> (Model<R>, Plan) {
     assert_eq!(scene.bodies.len(), lattices.len(), "every body needs its lattice");
     let gravity = DVec3::from(scene.settings.gravity);
-    let sizes = EdgeSizes::of(lattices.iter().map(AsRef::as_ref));
+    let sizes: Vec<_> = lattices.iter().map(|lattice| EdgeSizes::of(lattice)).collect();
     let mut model = Model {
         bodies: Vec::new(),
-        obstacles: obstacles::obstacles(&scene.obstacles, sizes, before),
+        obstacles: obstacles::obstacles(&scene.obstacles, &sizes, before),
         gravity: R::Vec3::from_dvec3(gravity),
         fall_limit: None,
     };

@@ -41,11 +41,11 @@ pub(super) fn contact<R: Real>(
     }
 }
 
-/// The obstacles of a scene, with edges of these `sizes` if there are bodies. The edges of a mesh that is among those of the
-/// model `before` are taken from there.
+/// The obstacles of a scene, with edges of these `sizes` for its bodies. The edges of a mesh that is among those of the model
+/// `before` are taken from there.
 pub(super) fn obstacles<R: Real>(
     obstacles: &[Obstacle],
-    sizes: Option<EdgeSizes>,
+    sizes: &[EdgeSizes],
     before: Option<&Model<R>>,
 ) -> Vec<ObstacleModel<R>> {
     let known = before.filter(|model| sizes_of(model) == sizes).map_or(&[][..], |model| &model.obstacles);
@@ -89,10 +89,10 @@ pub(super) fn obstacles<R: Real>(
             let motion = obstacle.motion.map(|motion| motion.rigid());
             let bounds = motion.map_or(bounds, |motion| motion_bounds(&bounds, &motion));
             ObstacleModel {
-                edges: known.iter().find(|known| is_same_mesh(&known.shape, &shape)).map_or_else(
-                    || Arc::new(sizes.map_or_else(Edges::default, |sizes| edges(&shape, sizes))),
-                    |known| Arc::clone(&known.edges),
-                ),
+                edges: known
+                    .iter()
+                    .find(|known| is_same_mesh(&known.shape, &shape))
+                    .map_or_else(|| edges_of_each(&shape, sizes), |known| Arc::clone(&known.edges)),
                 shape,
                 motion,
                 carry: None,
@@ -105,8 +105,18 @@ pub(super) fn obstacles<R: Real>(
 }
 
 /// The sizes for a model's bodies.
-fn sizes_of<R: Real>(model: &Model<R>) -> Option<EdgeSizes> {
-    EdgeSizes::of(model.bodies.iter().map(|body| body.lattice.as_ref()))
+fn sizes_of<R: Real>(model: &Model<R>) -> Vec<EdgeSizes> {
+    model.bodies.iter().map(|body| EdgeSizes::of(&body.lattice)).collect()
+}
+
+/// The edges of an obstacle for each body; bodies that need the same share them.
+fn edges_of_each<R: Real>(shape: &ObstacleShape<R>, sizes: &[EdgeSizes]) -> Arc<[Arc<Edges>]> {
+    let mut all: Vec<Arc<Edges>> = Vec::with_capacity(sizes.len());
+    for (body, own) in sizes.iter().enumerate() {
+        let known = sizes[..body].iter().position(|known| known == own);
+        all.push(known.map_or_else(|| Arc::new(edges(shape, *own)), |known| Arc::clone(&all[known])));
+    }
+    all.into()
 }
 
 /// Whether two obstacles are the same mesh, in whatever place.

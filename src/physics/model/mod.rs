@@ -91,7 +91,8 @@ impl<R: Real> Model<R> {
     /// where more meet, lists grow.
     pub(in crate::physics) fn edge_room(&self) -> usize {
         const MOST_EDGE_POINTS: usize = 256;
-        self.obstacles.iter().map(|obstacle| obstacle.edges.point_count()).sum::<usize>().min(MOST_EDGE_POINTS)
+        let most = |obstacle: &ObstacleModel<R>| obstacle.edges.iter().map(|edges| edges.point_count()).max();
+        self.obstacles.iter().filter_map(most).sum::<usize>().min(MOST_EDGE_POINTS)
     }
 
     /// Whether any obstacle has edges.

@@ -19,8 +19,8 @@ pub struct ObstacleModel<R: Real> {
     pub motion: Option<RigidMotion>,
     /// How it moves within the coming substep; none where it stands still.
     pub(in crate::physics) carry: Option<Carry<R>>,
-    /// The edges that bodies may meet between their particles.
-    pub(in crate::physics) edges: Arc<Edges>,
+    /// The edges that bodies may meet between their particles, by body: each has as many as its cells need.
+    pub(in crate::physics) edges: Arc<[Arc<Edges>]>,
     /// Coulomb coefficient of rest.
     pub friction_static: R,
     /// Coulomb coefficient of motion.
@@ -39,7 +39,7 @@ pub(in crate::physics) fn grown_for_rounding(bounds: Aabb<f64>) -> Aabb<f64> {
 impl<R: Real> ObstacleModel<R> {
     /// Whether it has edges, which meet the cells of bodies where particles pass it by.
     pub fn has_edges(&self) -> bool {
-        !self.edges.is_empty()
+        self.edges.iter().any(|edges| !edges.is_empty())
     }
 }
 

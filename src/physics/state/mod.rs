@@ -274,7 +274,7 @@ impl<R: Real> State<R> {
             let Some(obstacle) = model.obstacles.get(touch.obstacle) else { return false };
             let is_remembered = plan.on_mesh.is_some() || body.inertia().is_some();
             let is_there = match touch.sample.checked_sub(FIRST_EDGE_POINT) {
-                Some(point) => body.modal.is_none() && point < obstacle.edges.point_count(),
+                Some(point) => body.modal.is_none() && point < obstacle.edges[touch.body].point_count(),
                 None => touch.sample < body.remembered_point_count(),
             };
             is_remembered && is_there

@@ -52,11 +52,11 @@ pub(super) fn find_contacts<R: Real>(
     workspace.edges.predicted.clear();
     for obstacle in 0..model.obstacles.len() {
         let met = substep.obstacles.for_body(number, obstacle);
-        if met.edges.is_empty() {
+        if met.edges[number].is_empty() {
             continue;
         }
         let known = |sample| workspace.found_pairs.binary_search(&(sample, obstacle)).is_ok();
-        find_candidates((met, known), &around, plan.broad_phase, &mut workspace.edges);
+        find_candidates((met, number, known), &around, plan.broad_phase, &mut workspace.edges);
         if workspace.edges.candidates.is_empty() {
             continue;
         }
@@ -73,9 +73,10 @@ pub(super) fn find_contacts<R: Real>(
     workspace.found_contacts.len() > before
 }
 
-/// Lists the points on an obstacle's edges that are within a box at the end of the substep and not `known` to be met.
+/// Lists the points on an obstacle's edges for a body that are within a box at the end of the substep and not `known` to be
+/// met.
 fn find_candidates<R: Real>(
-    (obstacle, known): (&ObstacleModel<R>, impl Fn(usize) -> bool),
+    (obstacle, body, known): (&ObstacleModel<R>, usize, impl Fn(usize) -> bool),
     around: &Aabb<f64>,
     broad_phase: bool,
     workspace: &mut EdgesWorkspace,
@@ -84,7 +85,7 @@ fn find_candidates<R: Real>(
     candidates.clear();
     points.clear();
     let frame = Frame::of(&obstacle.shape);
-    for (edge, moving) in edges_near(obstacle, &frame, broad_phase.then_some(around)) {
+    for (edge, moving) in edges_near((obstacle, body), &frame, broad_phase.then_some(around)) {
         if broad_phase && !moving.bounds().overlaps(around) {
             continue;
         }

@@ -57,9 +57,9 @@ pub(super) fn moved_bounds<R: Real>(at: Aabb<R>, velocity: Aabb<R>, dt: R) -> Aa
     }
 }
 
-/// The edges of an obstacle on their way, but those that are far from a box at all times of the substep.
+/// The edges of an obstacle for a body on their way, but those that are far from a box at all times of the substep.
 pub(super) fn edges_near<'a, R: Real>(
-    obstacle: &'a ObstacleModel<R>,
+    (obstacle, body): (&'a ObstacleModel<R>, usize),
     frame: &'a Frame<R>,
     around: Option<&Aabb<f64>>,
 ) -> impl Iterator<Item = (&'a Edge, MovingEdge)> {
@@ -72,7 +72,7 @@ pub(super) fn edges_near<'a, R: Real>(
             ((to - middle).abs() - half).max_element() <= reach
         })
     };
-    obstacle.edges.near(is_near).map(move |edge| (edge, MovingEdge::of(edge, frame, obstacle)))
+    obstacle.edges[body].near(is_near).map(move |edge| (edge, MovingEdge::of(edge, frame, obstacle)))
 }
 
 /// Whether a body whose places and velocities are in these boxes comes near an edge of an obstacle in the next `secs`.
@@ -90,8 +90,8 @@ pub(super) fn comes_near<R: Real>(
     let (now, then) = (moved_bounds(at, velocity, R::ZERO), moved_bounds(at, velocity, secs));
     let around = now.joined(then).grown(AHEAD_SHARE * body.lattice.grid.cell_size);
     let met = (0..model.obstacles.len()).map(|obstacle| obstacles.for_body(number, obstacle));
-    met.filter(|obstacle| !obstacle.edges.is_empty()).any(|obstacle| {
-        edges_near(obstacle, &Frame::of(&obstacle.shape), Some(&around))
+    met.filter(|obstacle| !obstacle.edges[number].is_empty()).any(|obstacle| {
+        edges_near((obstacle, number), &Frame::of(&obstacle.shape), Some(&around))
             .any(|(_, MovingEdge { ends: [from, to] })| Aabb::around(from.into_iter().chain(to)).overlaps(&around))
     })
 }
