@@ -55,7 +55,7 @@ pub(super) struct Head {
     pub(super) measurement: Measurement,
     /// A checksum of the program that found the pieces, if it can be read: another one may find others. Parts that are merged
     /// may be of programs built on different machines.
-    program: Option<String>,
+    pub(super) program: Option<String>,
     pub(super) shard: Option<Shard>,
 }
 
@@ -92,8 +92,10 @@ impl<T: Clone + Serialize + DeserializeOwned> PartialResults<T> {
                     inner.found = found;
                 } else if !found.is_empty() {
                     let of = if left.measurement == head.measurement { "program" } else { "measurement" };
-                    let (count, file) = (found.len(), echo_path(path));
-                    out::note(&format!("{file} held {count} pieces of another {of}; all are measured anew"));
+                    let (count, file, old) = (found.len(), echo_path(path), path.with_extension("jsonl.old"));
+                    std::fs::rename(path, &old).with_context(|| format!("{file} cannot be renamed"))?;
+                    let old = echo_path(&old);
+                    out::note(&format!("{file} held {count} pieces of another {of}: now {old}; all are measured anew"));
                 }
             }
             let mut text = line(&head)?;
@@ -222,6 +224,7 @@ mod tests {
         assert!(text.contains(&own), "{text}");
         std::fs::write(&path, text.replace(&own, "0123456789abcdef")).expect("written");
         assert_eq!(kept(folder.path(), "a", None).missing(), [0, 1, 2, 3, 4]);
+        assert!(folder.path().join("error.partial.jsonl.old").exists(), "they are not lost");
     }
 
     #[test]

@@ -36,6 +36,10 @@ pub(super) fn run(args: &MergeArgs) -> Result<(), Failure> {
         let [first, other] = [first, other].map(|path| echo_path(path));
         return Err(anyhow!("{first} and {other} are parts of different measurements; merge each by itself").into());
     }
+    if let Some((other, _)) = parts.iter().find(|(_, other)| other.program != head.program) {
+        let [first, other] = [first, other].map(|path| echo_path(path));
+        out::note(&format!("{first} and {other} were found by programs that were built apart; they may differ"));
+    }
     let folder = args.output.as_path();
     let measurement = &head.measurement;
     let write = |files: &[&str]| make_folder(folder, files);

@@ -9,7 +9,6 @@ use std::ops::Range;
 use crate::math::Real;
 use crate::physics::kernels::{Piece, pieces};
 use crate::physics::model::{BodyModel, Model};
-use crate::physics::state::BodyMemory;
 
 /// The least work that is worth a thread of its own, in link forces a pass. Two threads that are kept awake, each on a
 /// processor of its own, take a substep of a body of 13 000 links 1.25 times as fast as one, of 21 000 links 1.5 times.
@@ -85,10 +84,10 @@ fn link_work<R: Real>(body: &BodyModel<R>) -> usize {
     if body.boxed_links.is_some() { links } else { LISTED_LINK_COST * links }
 }
 
-/// Where to cut some shares so that both sides have about equal work; each side has at least one share.
-pub(in crate::physics) fn balanced_cut<R>(shares: &[Share<R>], memory: &[BodyMemory]) -> usize {
+/// Where to cut some shares so that both sides have about equal work on bodies that take part; each side has at least one share.
+pub(in crate::physics) fn balanced_cut<R>(shares: &[Share<R>], takes_part: impl Fn(usize) -> bool) -> usize {
     let work = |shares: &[Share<R>]| -> usize {
-        shares.iter().filter(|share| !memory[share.body].asleep).map(|share| share.work).sum()
+        shares.iter().filter(|share| takes_part(share.body)).map(|share| share.work).sum()
     };
     let all = work(shares);
     (1..shares.len()).min_by_key(|&at| (2 * work(&shares[..at])).abs_diff(all)).unwrap_or(shares.len())

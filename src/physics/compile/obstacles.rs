@@ -42,7 +42,7 @@ pub(super) fn contact<R: Real>(
 }
 
 /// The obstacles of a scene, with edges of these `sizes` for its bodies. The edges of a mesh that is among those of the model
-/// `before` are taken from there.
+/// `before`, with bodies that need the same, are taken from there.
 pub(super) fn obstacles<R: Real>(
     obstacles: &[Obstacle],
     sizes: &[EdgeSizes],

@@ -256,7 +256,7 @@ impl<R: Real> DivisibleWork for LinkForces<'_, R> {
 
     fn halve(self) -> [Self; 2] {
         let Self { substep, at, shares, mut force, mut kick } = self;
-        let (low, high) = shares.split_at_mut(balanced_cut(shares, &substep.state.bodies));
+        let (low, high) = shares.split_at_mut(balanced_cut(shares, |body| !substep.state.bodies[body].asleep));
         let count = low.iter().map(|share| share.particles.len()).sum();
         let on_low = force.split_off_mut(..count).unwrap_or_default();
         let low_kick = kick.as_mut().and_then(|kick| kick.split_off(count));

@@ -74,7 +74,7 @@ impl<R: Real> DivisibleWork for StrainCheck<'_, R> {
 
     fn halve(self) -> [Self; 2] {
         let Self { model, memories, level, motion, shares } = self;
-        let (low, high) = shares.split_at_mut(balanced_cut(shares, memories));
+        let (low, high) = shares.split_at_mut(balanced_cut(shares, |body| !memories[body].asleep));
         [low, high].map(|shares| Self { model, memories, level, motion, shares })
     }
 

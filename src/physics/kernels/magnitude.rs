@@ -4,28 +4,27 @@ use crate::math::{Real, Vector};
 use crate::physics::kernels::block::{Lanes, Mask};
 use crate::physics::kernels::boxed::{BoxedLinks, Law, PerCornerLaw, TermLaw};
 use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, Term};
+use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
-use crate::physics::kernels::sweep::{
-    InitialForce, Pass, Window, add_block, for_each_panel, lanes, lanes_mut, lanes_of,
-};
+use crate::physics::kernels::sweep::{InitialForce, Window, add_block, for_each_panel, lanes, lanes_mut, lanes_of};
 
 /// Writes for every particle of a piece the sum of the magnitudes of the forces of its links, N, as x, and how many these are,
-/// as y; z means nothing. `motion` is the positions and velocities of the body's particles, m and m/s.
+/// as y; z is zero. `motion` is the positions and velocities of the body's particles, m and m/s.
 pub(in crate::physics) fn sum_magnitudes<R: Real>(
     links: &BoxedLinks<R>,
-    pass: Pass,
+    (level, families): (SimdLevel, [bool; 3]),
     motion: [&[R::Vec3]; 2],
     sums: &mut [R::Vec3],
     piece: &mut Piece<R>,
 ) {
     for_each_panel(
-        pass.level,
+        level,
         motion.map(Some),
         Some((InitialForce::Alike(R::Vec3::ZERO), sums)),
         piece,
         &|| false,
         #[inline(always)]
-        |window| sweep(links, pass.families, window),
+        |window| sweep(links, families, window),
         &mut |_, _| (),
     );
 }
@@ -89,8 +88,9 @@ fn add<R: Real>(
         let length = (dx * dx + dy * dy + dz * dz).sqrt();
         let rate = (dvx * dx + dvy * dy + dvz * dz) / length;
         // GC §2, as in the loop over forces.
-        let force =
-            law.slope * stiffness[lane] * length - law.stiffness * stiffness[lane] + law.damping * damping[lane] * rate;
+        let elastic = law.slope * stiffness[lane] * length - law.stiffness * stiffness[lane];
+        let damping = law.damping * damping[lane];
+        let force = if damping > R::ZERO { elastic + damping * rate } else { elastic };
         let strength = if length > R::ZERO { force.abs() } else { R::ZERO };
         let is_there = mask.of_corners[lane] & mask.bit != 0;
         let (strength, one) = if is_there { (strength, R::ONE) } else { (R::ZERO, R::ZERO) };

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use crate::math::Aabb;
 
-/// Points on the edges of obstacles are numbered from here on, where points of bodies' meshes have numbers, too.
+/// Points on the edges of obstacles are numbered from here on, where points of bodies' meshes have numbers, too. Numbers are those
+/// of one body, and hold as long as its cells and the obstacle's form.
 pub(in crate::physics) const FIRST_EDGE_POINT: usize = 1 << 30;
 
 /// A stretch of points on an obstacle that meet the cells of bodies, in the obstacle's own axes about its middle.

@@ -56,8 +56,8 @@ impl<R: Real> DivisibleWork for LinkSums<'_, R> {
     }
 
     fn halve(self) -> [Self; 2] {
-        let Self { shares, sums, state, .. } = self;
-        let (low, high) = shares.split_at_mut(balanced_cut(shares, &state.bodies));
+        let Self { shares, sums, .. } = self;
+        let (low, high) = shares.split_at_mut(balanced_cut(shares, |_| true));
         let (of_low, of_high) = sums.split_at_mut(low.iter().map(|share| share.particles.len()).sum());
         [Self { shares: low, sums: of_low, ..self }, Self { shares: high, sums: of_high, ..self }]
     }
@@ -69,17 +69,16 @@ impl<R: Real> DivisibleWork for LinkSums<'_, R> {
             let body = &model.bodies[share.body];
             let motion = [&state.position, &state.velocity].map(|of| &of[body.particles.clone()]);
             match (&body.boxed_links, &mut share.piece) {
-                (Some(boxed), Some(piece)) => {
-                    let damped = [0, 1, 2].map(|family| plan.families[family] && is_damped(plan, &body.links[family]));
-                    let pass = Pass { level: plan.simd, families: plan.families, damped };
-                    match what {
-                        Sum::Forces => {
-                            let start = InitialForce::Alike(R::Vec3::ZERO);
-                            add_forces(boxed, pass, motion, start, own, piece, &|| false, &mut |_, _| ());
-                        }
-                        Sum::Magnitudes => sum_magnitudes(boxed, pass, motion, own, piece),
+                (Some(boxed), Some(piece)) => match what {
+                    Sum::Forces => {
+                        let is_damped = |family: usize| plan.families[family] && is_damped(plan, &body.links[family]);
+                        let damped = [0, 1, 2].map(is_damped);
+                        let pass = Pass { level: plan.simd, families: plan.families, damped };
+                        let start = InitialForce::Alike(R::Vec3::ZERO);
+                        add_forces(boxed, pass, motion, start, own, piece, &|| false, &mut |_, _| ());
                     }
-                }
+                    Sum::Magnitudes => sum_magnitudes(boxed, (plan.simd, plan.families), motion, own, piece),
+                },
                 _ => sum_along_list(body, plan, motion, what, own),
             }
         }
