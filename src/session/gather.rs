@@ -163,11 +163,10 @@ pub(super) fn with_models_inside(scene: &Scene, base_dir: &Path) -> Result<Scene
 pub fn checksum(scene: &Scene, base_dir: &Path) -> Result<u64, CollectError> {
     // Models that the scene holds are in its text.
     let mut all = scene.to_ron()?.into_bytes();
-    for Gathered { place, from } in gather(&mut scene.clone(), base_dir, "")? {
-        if let Source::Disk(from) = from {
-            let read = disk::read(&from, MAX_FILE_BYTES);
-            let bytes = read.map_err(|source| CollectError::Beside { path: from, source })?;
-            all.extend_from_slice(place.as_bytes());
+    for (_, path) in model_paths::model_files(&mut scene.clone()) {
+        for file in import::files_of(&base_dir.join(&*path)) {
+            let read = disk::read(&file, MAX_FILE_BYTES);
+            let bytes = read.map_err(|source| CollectError::Beside { path: file, source })?;
             all.extend_from_slice(&fnv1a(&bytes).to_le_bytes());
         }
     }

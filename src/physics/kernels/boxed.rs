@@ -45,6 +45,18 @@ pub(super) enum TermLaw<R> {
 }
 
 impl<R: Real> TermLaw<R> {
+    /// A law, and the stiffness and damping of each corner by which it is multiplied: `ones` where all links are alike.
+    #[inline(always)]
+    pub(super) fn by_corner<'a>(&'a self, ones: &'a [R; BLOCK]) -> (Law<R>, [&'a [R; BLOCK]; 2]) {
+        match self {
+            Self::Alike(law) => (*law, [ones; 2]),
+            Self::Each(each) => {
+                let PerCornerLaw { unit, stiffness, damping } = &**each;
+                (*unit, [stiffness, damping])
+            }
+        }
+    }
+
     fn in_double(&self, inverse_rest_length: f64) -> TermLaw<f64> {
         match self {
             Self::Alike(Law { stiffness, damping, .. }) => {

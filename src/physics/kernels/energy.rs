@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use crate::physics::kernels::block::{Lanes, Mask};
-use crate::physics::kernels::boxed::{BoxedLinks, Law, PerCornerLaw, TermLaw};
+use crate::physics::kernels::boxed::{BoxedLinks, Law};
 use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, Term};
 use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
@@ -69,13 +69,7 @@ pub(in crate::physics) fn sum_over_links(
                     let other = at + offsets[slot];
                     let far = [lanes_of(vectors[0], other), lanes_of(vectors[1], other)];
                     let mask = Mask { of_corners: lanes(masks, block.first), bit: 1 << slot };
-                    let (law, constants) = match links.law(number, slot) {
-                        TermLaw::Alike(law) => (*law, [&ones; 2]),
-                        TermLaw::Each(each) => {
-                            let PerCornerLaw { unit, stiffness, damping } = &**each;
-                            (*unit, [stiffness, damping])
-                        }
-                    };
+                    let (law, constants) = links.law(number, slot).by_corner(&ones);
                     match what {
                         LinkSum::PastForces => past_forces(law, constants[0], secs, mask, near, far, &mut sum),
                         LinkSum::Rounding { of_force, of_velocity } => {

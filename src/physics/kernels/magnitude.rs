@@ -2,7 +2,7 @@
 
 use crate::math::{Real, Vector};
 use crate::physics::kernels::block::{Lanes, Mask};
-use crate::physics::kernels::boxed::{BoxedLinks, Law, PerCornerLaw, TermLaw};
+use crate::physics::kernels::boxed::{BoxedLinks, Law};
 use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, Term};
 use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
@@ -49,13 +49,7 @@ fn sweep<R: Real>(links: &BoxedLinks<R>, families: [bool; 3], window: Window<'_,
             let other = at + offsets[slot];
             let far = [lanes_of(position, other), lanes_of(velocity, other)];
             let mask = Mask { of_corners, bit: 1 << slot };
-            let (law, constants) = match links.law(number, slot) {
-                TermLaw::Alike(law) => (*law, [&ones; 2]),
-                TermLaw::Each(each) => {
-                    let PerCornerLaw { unit, stiffness, damping } = &**each;
-                    (*unit, [stiffness, damping])
-                }
-            };
+            let (law, constants) = links.law(number, slot).by_corner(&ones);
             let on_far = [lanes_mut(magnitudes, other), lanes_mut(counts, other)];
             add(law, constants, mask, near, far, &mut magnitude, &mut count, on_far);
         }

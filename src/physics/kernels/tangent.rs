@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use crate::math::Real;
 use crate::physics::kernels::block::{Lanes, Mask};
-use crate::physics::kernels::boxed::{BoxedLinks, Law, PerCornerLaw, TermLaw};
+use crate::physics::kernels::boxed::{BoxedLinks, Law};
 use crate::physics::kernels::layout::{BLOCK, FAMILY, Layout, MAX_PLACES_PER_LINK, Run, STENCIL, Term};
 use crate::physics::kernels::level::SimdLevel;
 use crate::physics::kernels::piece::Piece;
@@ -143,13 +143,7 @@ fn assemble_all<R: Real>(
             let other = block.first + offsets[slot];
             let [far, far_velocity] = [position, velocity].map(|of| lanes_of(of, other));
             let mask = Mask { of_corners, bit: 1 << slot };
-            let (law, constants) = match links.law(number, slot) {
-                TermLaw::Alike(law) => (*law, [&ones; 2]),
-                TermLaw::Each(each) => {
-                    let PerCornerLaw { unit, stiffness, damping } = &**each;
-                    (*unit, [stiffness, damping])
-                }
-            };
+            let (law, constants) = links.law(number, slot).by_corner(&ones);
             assemble_term(
                 law,
                 constants,
