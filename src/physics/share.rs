@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use crate::math::Real;
-use crate::physics::kernels::{Piece, pieces};
+use crate::physics::kernels::{Piece, Predicted, pieces};
 use crate::physics::model::{BodyModel, Model};
 
 /// The least work that is worth a thread of its own, in link forces a pass. Two threads that are kept awake, each on a
@@ -22,7 +22,7 @@ const SNAP_DIVISOR: usize = 20;
 
 /// A share of a step.
 #[derive(Clone, Debug)]
-pub(in crate::physics) struct Share<R> {
+pub(in crate::physics) struct Share<R: Real> {
     /// The body's place among the bodies.
     pub(in crate::physics) body: usize,
     /// Its particles in the arrays of the state.
@@ -31,8 +31,8 @@ pub(in crate::physics) struct Share<R> {
     pub(in crate::physics) piece: Option<Piece<R>>,
     /// Link forces evaluated in the last pass.
     pub(in crate::physics) evaluated: u64,
-    /// Whether the kick of the last pass leads all of its particles to finite places.
-    pub(in crate::physics) is_finite: bool,
+    /// What is known of the velocities that the kick of the last pass gave its particles; nothing while the body sleeps.
+    pub(in crate::physics) predicted: Predicted<R>,
     /// The strain above which a link counts as strained; none where strains are not looked at. ...
     pub(in crate::physics) strain: Option<f64>,
     /// Whether a link was strained.
@@ -40,9 +40,18 @@ pub(in crate::physics) struct Share<R> {
     work: usize,
 }
 
-impl<R> Share<R> {
+impl<R: Real> Share<R> {
     fn new(body: usize, particles: Range<usize>, piece: Option<Piece<R>>, work: usize) -> Self {
-        Self { body, particles, piece, evaluated: 0, is_finite: true, strain: None, is_strained: false, work }
+        Self {
+            body,
+            particles,
+            piece,
+            evaluated: 0,
+            predicted: Predicted::nothing(),
+            strain: None,
+            is_strained: false,
+            work,
+        }
     }
 }
 
@@ -85,7 +94,7 @@ fn link_work<R: Real>(body: &BodyModel<R>) -> usize {
 }
 
 /// Where to cut some shares so that both sides have about equal work on bodies that take part; each side has at least one share.
-pub(in crate::physics) fn balanced_cut<R>(shares: &[Share<R>], takes_part: impl Fn(usize) -> bool) -> usize {
+pub(in crate::physics) fn balanced_cut<R: Real>(shares: &[Share<R>], takes_part: impl Fn(usize) -> bool) -> usize {
     let work = |shares: &[Share<R>]| -> usize {
         shares.iter().filter(|share| takes_part(share.body)).map(|share| share.work).sum()
     };

@@ -11,10 +11,10 @@ use std::sync::Arc;
 
 use exact::ExactLinks;
 use links::{Configuration, for_each_link, is_damped};
-use particles::{kick_particles, write_weights};
+use particles::{predict_particles, write_weights};
 
-use crate::math::Real;
-use crate::physics::kernels::{self, InitialForce, Pass};
+use crate::math::{Aabb, Real};
+use crate::physics::kernels::{self, InitialForce, Pass, Predicted};
 use crate::physics::limits::present::Sums;
 use crate::physics::model::plan::{Plan, Stage};
 use crate::physics::model::{Model, Scheme, Values};
@@ -43,7 +43,14 @@ pub(super) struct ForceWorkspace<R: Real> {
 impl<R: Real> ForceWorkspace<R> {
     /// Whether all particles of the last kick reach a finite place.
     pub(super) fn is_finite(&self) -> bool {
-        self.shares.iter().all(|share| share.is_finite)
+        self.shares.iter().all(|share| share.predicted.is_finite)
+    }
+
+    /// The box around the velocities that the last kick gave the particles of a body that is awake, m/s.
+    pub(super) fn predicted_bounds(&self, body: usize) -> Aabb<R> {
+        let first = self.shares.partition_point(|share| share.body < body);
+        let own = self.shares[first..].iter().take_while(|share| share.body == body);
+        own.fold(Aabb::empty(), |bounds, share| bounds.joined(share.predicted.bounds))
     }
 
     /// Allocates the workspace for a model under a plan.
@@ -181,7 +188,7 @@ impl<R: Real> LinkForces<'_, R> {
             let count = share.particles.len();
             let own = force.split_off_mut(..count).unwrap_or_default();
             let kicked = kick.as_mut().and_then(|kick| kick.split_off(count));
-            (share.evaluated, share.is_finite) = (0, true);
+            (share.evaluated, share.predicted) = (0, Predicted::nothing());
             if state.bodies[share.body].asleep {
                 if let Some(kicked) = kicked {
                     kicked.velocity.copy_from_slice(&state.velocity[share.particles.clone()]);
@@ -202,8 +209,8 @@ impl<R: Real> LinkForces<'_, R> {
                     InitialForce::Each
                 }
             };
-            let mut kicks =
-                Kicks { substep, body: share.body, particles: share.particles.clone(), kick: kicked, is_finite: true };
+            let (particles, predicted) = (share.particles.clone(), Predicted::nothing());
+            let mut kicks = Kicks { substep, body: share.body, particles, kick: kicked, predicted };
             if let (Some(boxed), Some(piece)) = (&body.boxed_links, &mut share.piece) {
                 let damped = [0, 1, 2].map(|family| plan.families[family] && is_damped(plan, &body.links[family]));
                 let pass = Pass { level: plan.simd, families: plan.families, damped };
@@ -218,7 +225,7 @@ impl<R: Real> LinkForces<'_, R> {
                 });
                 kicks.kick(0..count, own);
             }
-            share.is_finite = kicks.is_finite;
+            share.predicted = kicks.predicted;
         }
     }
 }
@@ -230,8 +237,8 @@ struct Kicks<'a, R: Real> {
     body: usize,
     particles: Range<usize>,
     kick: Option<Kick<'a, R>>,
-    /// Whether all particles kicked so far reach a finite place.
-    is_finite: bool,
+    /// What is known of the particles kicked so far.
+    predicted: Predicted<R>,
 }
 
 impl<R: Real> Kicks<'_, R> {
@@ -242,10 +249,10 @@ impl<R: Real> Kicks<'_, R> {
         let body = &model.bodies[self.body];
         let all = stretch.start + self.particles.start..stretch.end + self.particles.start;
         let local = all.start - body.particles.start..all.end - body.particles.start;
-        let velocity = &mut velocity[stretch];
-        velocity.copy_from_slice(&state.velocity[all.clone()]);
-        kick_particles(body, local, plan.simd, *secs, force, velocity);
-        self.is_finite &= kernels::are_finite(plan.simd, &state.position[all], velocity, dt);
+        let motion = [&state.position[all.clone()], &state.velocity[all]];
+        let times = [*secs, dt];
+        let predicted = predict_particles(body, local, plan.simd, times, force, motion, &mut velocity[stretch]);
+        self.predicted = self.predicted.joined(predicted);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::math::Real;
-use crate::physics::kernels::{self, SimdLevel};
+use crate::physics::kernels::{self, Predicted, SimdLevel};
 use crate::physics::model::{BodyModel, Model, Values};
 
 /// Writes the weight of some particles of a body (local numbers), N.
@@ -33,6 +33,25 @@ pub(in crate::physics) fn kick_particles<R: Real>(
         Values::Each(masses) => kernels::kick_each(level, dt, &masses[some.clone()], force, velocity),
     }
     zero_pinned(body, some, velocity);
+}
+
+/// [`kick_particles`] for `kick_secs`, from velocities (m/s) that are kept: `velocity` receives those after the kick. Returns
+/// what is known of particles that then move from `position` (m) for `secs`.
+pub(super) fn predict_particles<R: Real>(
+    body: &BodyModel<R>,
+    some: Range<usize>,
+    level: SimdLevel,
+    [kick_secs, secs]: [R; 2],
+    force: &[R::Vec3],
+    [position, from]: [&[R::Vec3]; 2],
+    velocity: &mut [R::Vec3],
+) -> Predicted<R> {
+    if let (Values::Uniform(mass), Values::Uniform(false)) = (&body.masses, &body.pinned) {
+        return kernels::predict(level, kick_secs / *mass, secs, force, [position, from], velocity);
+    }
+    velocity.copy_from_slice(from);
+    kick_particles(body, some, level, kick_secs, force, velocity);
+    Predicted::of(level, position, velocity, secs)
 }
 
 /// Zeroes the entries (such as velocities) of the pinned ones among some particles of a body (local numbers).

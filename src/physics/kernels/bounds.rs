@@ -8,7 +8,7 @@ use crate::math::{Aabb, Real, Vector, components};
 use crate::physics::kernels::SimdLevel;
 
 /// Numbers that are worked on at a time: those of 16 vectors.
-const PLACES: usize = 3 * 16;
+pub(super) const PLACES: usize = 3 * 16;
 
 /// Vectors that share a bounding box, where they are boxed in groups.
 pub(in crate::physics) const GROUP_SIZE: usize = 64;
@@ -80,14 +80,14 @@ pub(in crate::physics) fn are_finite<R: Real>(
 }
 
 /// The smallest and the largest number at each place.
-struct Extremes<R> {
+pub(super) struct Extremes<R> {
     low: [R; PLACES],
     high: [R; PLACES],
 }
 
 impl<R: Real> Extremes<R> {
     #[inline(always)]
-    fn none() -> Self {
+    pub(super) fn none() -> Self {
         let infinity = R::from_f64(f64::INFINITY);
         Self { low: [infinity; PLACES], high: [-infinity; PLACES] }
     }
@@ -104,6 +104,14 @@ impl<R: Real> Extremes<R> {
         }
         for (place, (from, velocity)) in rest.iter().zip(velocity_rest).enumerate() {
             self.include_number::<MOVE>(place, *from, *velocity, secs);
+        }
+    }
+
+    /// Includes the numbers of up to 16 vectors.
+    #[inline(always)]
+    pub(super) fn include_numbers(&mut self, of: &[R]) {
+        for (place, number) in of.iter().enumerate() {
+            self.include_number::<false>(place, *number, R::ZERO, R::ZERO);
         }
     }
 
@@ -135,7 +143,7 @@ impl<R: Real> Extremes<R> {
     }
 
     #[inline(always)]
-    fn bounds(&self) -> Aabb<R> {
+    pub(super) fn bounds(&self) -> Aabb<R> {
         let at = |of: &[R; PLACES], place: usize| R::Vec3::new(of[place], of[place + 1], of[place + 2]);
         (0..PLACES).step_by(3).fold(Aabb::empty(), |bounds, place| {
             bounds.joined(Aabb { min: at(&self.low, place), max: at(&self.high, place) })

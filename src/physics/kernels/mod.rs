@@ -48,7 +48,9 @@ pub(in crate::physics) use energy::{LinkSum, sum_over_links};
 pub(in crate::physics) use layout::{BYTES_PER_CORNER, Layout, MAX_CORNERS_PER_PARTICLE};
 pub use level::SimdLevel;
 pub(in crate::physics) use magnitude::sum_magnitudes;
-pub(in crate::physics) use motion::{StageSources, StageTerms, advance, kick, kick_each, next_stage, next_stage_each};
+pub(in crate::physics) use motion::{
+    Predicted, StageSources, StageTerms, advance, kick, kick_each, next_stage, next_stage_each, predict,
+};
 pub(in crate::physics) use piece::{Piece, pieces};
 pub(in crate::physics) use strain::are_strained;
 pub(in crate::physics) use sweep::{InitialForce, Pass, add_forces};

@@ -3,8 +3,9 @@
 //! All components of a vector are treated alike, so these loops go over components as they lie in memory, without branches
 //! and in no particular order.
 
-use crate::math::{Real, components, components_mut};
+use crate::math::{Aabb, Real, components, components_mut};
 use crate::physics::kernels::SimdLevel;
+use crate::physics::kernels::bounds::{Extremes, PLACES, are_finite, bounds};
 
 /// `v += factor F`: changes velocities (m/s) by forces (N), with the same factor for all.
 pub(in crate::physics) fn kick<R: Real>(level: SimdLevel, factor: R, force: &[R::Vec3], velocity: &mut [R::Vec3]) {
@@ -34,6 +35,68 @@ pub(in crate::physics) fn kick_each<R: Real>(
             }
         },
     );
+}
+
+/// What is known of velocities as soon as they are predicted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::physics) struct Predicted<R: Real> {
+    /// The box around them, m/s.
+    pub(in crate::physics) bounds: Aabb<R>,
+    /// Whether they lead all particles to finite places.
+    pub(in crate::physics) is_finite: bool,
+}
+
+impl<R: Real> Predicted<R> {
+    /// Of no particles.
+    pub(in crate::physics) fn nothing() -> Self {
+        Self { bounds: Aabb::empty(), is_finite: true }
+    }
+
+    /// Of velocities (m/s) with which particles move from `position` (m) for `secs`.
+    pub(in crate::physics) fn of(level: SimdLevel, position: &[R::Vec3], velocity: &[R::Vec3], secs: R) -> Self {
+        Self { bounds: bounds::<R>(level, velocity), is_finite: are_finite::<R>(level, position, velocity, secs) }
+    }
+
+    /// Of the particles of both.
+    pub(in crate::physics) fn joined(self, other: Self) -> Self {
+        Self { bounds: self.bounds.joined(other.bounds), is_finite: self.is_finite && other.is_finite }
+    }
+}
+
+/// [`kick`] and [`Predicted::of`] in one loop: `position` (m) and `from` (m/s) are the motion before the kick, and `velocity`
+/// receives that after it.
+pub(in crate::physics) fn predict<R: Real>(
+    level: SimdLevel,
+    factor: R,
+    secs: R,
+    force: &[R::Vec3],
+    [position, from]: [&[R::Vec3]; 2],
+    velocity: &mut [R::Vec3],
+) -> Predicted<R> {
+    level.run(
+        #[inline(always)]
+        || {
+            let (mut extremes, mut is_finite) = (Extremes::none(), true);
+            let (velocities, velocity_rest) = components_mut::<R>(velocity).as_chunks_mut::<PLACES>();
+            let [(forces, force_rest), (positions, position_rest), (starts, start_rest)] =
+                [force, position, from].map(|of| components::<R>(of).as_chunks::<PLACES>());
+            for (((velocity, from), force), position) in velocities.iter_mut().zip(starts).zip(forces).zip(positions) {
+                for place in 0..PLACES {
+                    velocity[place] = from[place] + force[place] * factor;
+                }
+                extremes.include_numbers(velocity);
+                for place in 0..PLACES {
+                    is_finite &= (position[place] + velocity[place] * secs).is_finite();
+                }
+            }
+            for (place, velocity) in velocity_rest.iter_mut().enumerate() {
+                *velocity = start_rest[place] + force_rest[place] * factor;
+                is_finite &= (position_rest[place] + *velocity * secs).is_finite();
+            }
+            extremes.include_numbers(velocity_rest);
+            Predicted { bounds: extremes.bounds(), is_finite }
+        },
+    )
 }
 
 /// `x += dt u`: moves positions, m, for `secs` along a path, m/s. What rounding keeps back is carried to the next step
@@ -195,6 +258,29 @@ mod tests {
                     let stages: Vec<_> = way.into_iter().zip(at).map(|(way, at)| [way, at]).collect();
                     let oracle = next_stage_one_by_one(terms, &masses, sources, &displacement);
                     assert_eq!(stages, oracle, "{count} at {level:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_prediction_is_a_kick_whose_velocities_are_looked_at() {
+        let mut rng = Rng::new(11);
+        for level in SimdLevel::ALL.into_iter().filter(|level| level.is_available()) {
+            for count in [0, 1, 5, 15, 16, 17, 67] {
+                for bad in [None, Some(f32::NAN), Some(f32::INFINITY)] {
+                    let [position, from, mut force] = [0; 3].map(|_| random(count, &mut rng));
+                    if let (Some(bad), Some(force)) = (bad, force.last_mut()) {
+                        force.y = bad;
+                    }
+                    let (mut kicked, mut velocity) = (from.clone(), vec![glam::Vec3::NAN; count]);
+                    kick::<f32>(level, 0.7, &force, &mut kicked);
+                    let predicted = predict::<f32>(level, 0.7, 0.3, &force, [&position, &from], &mut velocity);
+                    let bits =
+                        |of: &[glam::Vec3]| of.iter().map(|v| v.to_array().map(f32::to_bits)).collect::<Vec<_>>();
+                    assert_eq!(bits(&velocity), bits(&kicked), "{count} at {level:?}");
+                    assert_eq!(predicted, Predicted::of(level, &position, &kicked, 0.3), "{count} at {level:?}");
+                    assert_eq!(predicted.is_finite, bad.is_none() || count == 0, "{bad:?} among {count} at {level:?}");
                 }
             }
         }

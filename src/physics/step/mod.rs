@@ -44,7 +44,7 @@ use super::forces::links::Configuration;
 use super::model::Model;
 use super::report::Recorder;
 use super::state::{BodyMemory, State};
-use crate::math::{Real, Vector};
+use crate::math::{Aabb, Real, Vector};
 use crate::physics::forces::recovery;
 use crate::physics::kernels;
 use crate::physics::model::Scheme;
@@ -92,8 +92,8 @@ fn take_part<R: Real>(
     }
     let memory_backup = &mut workspace.memory_backup;
     memory_backup.iter_mut().zip(&state.bodies).for_each(|(copy, memory)| copy.copy_from(memory));
-    let due = &mut workspace.due_bodies;
-    if plan.recovery && recovery::find_due_bodies(model, plan, state, due) {
+    let StepWorkspace { due_bodies: due, speeds, .. } = workspace;
+    if plan.recovery && recovery::find_due_bodies(model, plan, state, speeds, due) {
         recorder.enter(Stage::Recovery);
         recovery::check_cells(model, plan, state, due, part.secs, recorder);
     }
@@ -101,6 +101,7 @@ fn take_part<R: Real>(
         find_forces(inputs.substep(model, plan, part, state), workspace, recorder);
         if !recorder.has_stopped() {
             schemes::synchronise(model, plan, &workspace.force, state);
+            workspace.speeds.forget();
             recorder.forbid_stop();
         }
     }
@@ -190,17 +191,24 @@ fn find_velocities<R: Real>(
 /// Whether the velocities that were found lead to finite places and, in manual stepping, tear no body apart. Contact
 /// may still change the paths of schemes that move particles by a mean velocity.
 fn is_sound<R: Real>(substep: Substep<'_, R>, prediction: Prediction, workspace: &StepWorkspace<R>) -> bool {
-    let StepWorkspace { velocity, scheme, contact, .. } = workspace;
+    let StepWorkspace { velocity, scheme, contact, forces, .. } = workspace;
+    let Substep { model, plan, state, dt, .. } = substep;
     let moving = scheme.moving(velocity);
-    if substep.plan.watched && runs_away(substep.model, substep.plan.simd, substep.dt, moving) {
-        return false;
+    // Contact alone has changed velocities since the forces predicted them.
+    let is_predicted = prediction == (Prediction::Made { is_finite: true }) && substep.grab.is_none();
+    let contacts = contact.all_contacts();
+    if plan.watched {
+        let after_contact = Aabb::around(contacts.particles().map(|p| velocity[p]));
+        let known_bounds = |body: usize| {
+            let is_known = is_predicted && !state.bodies[body].asleep;
+            is_known.then(|| forces.predicted_bounds(body).joined(after_contact))
+        };
+        if runs_away(model, plan.simd, dt, moving, known_bounds) {
+            return false;
+        }
     }
-    if prediction == (Prediction::Made { is_finite: true }) && substep.grab.is_none() {
-        // Since then contact alone has changed velocities.
-        return contact
-            .all_contacts()
-            .particles()
-            .all(|p| (substep.state.position[p] + velocity[p] * substep.dt).is_finite());
+    if is_predicted {
+        return contacts.particles().all(|p| (state.position[p] + velocity[p] * dt).is_finite());
     }
     substep.stays_finite(moving) && (scheme.mean_velocity.is_none() || substep.stays_finite(velocity))
 }
@@ -219,6 +227,7 @@ fn accept<R: Real>(model: &Model<R>, plan: &Plan, part: Part, state: &mut State<
             state.velocity[own.clone()].copy_from_slice(&velocity[own]);
         }
     }
+    workspace.speeds.forget();
     state.time_secs += part.secs;
     if plan.between_bodies.is_some() {
         std::mem::swap(&mut state.presses, &mut workspace.contact.bodies.presses);

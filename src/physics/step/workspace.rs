@@ -26,7 +26,7 @@ pub(in crate::physics) struct StepWorkspace<R: Real> {
     pub(super) scheme: SchemeWorkspace<R>,
     /// Workspace of the forces.
     pub(in crate::physics) forces: ForceWorkspace<R>,
-    /// How fast bodies are, as a substep begins.
+    /// How fast bodies are, as a part of a substep begins.
     pub(in crate::physics) speeds: Speeds<R>,
     /// Workspace of modal bodies.
     pub(in crate::physics) modal: ModalWorkspace,
@@ -66,6 +66,7 @@ impl<R: Real> StepWorkspace<R> {
         self.contact = ContactWorkspace::new(model, plan);
         self.scheme.fit(before.1.scheme, model, plan);
         self.forces.fit(before.0, model, plan);
+        self.speeds = Speeds::new(model);
         self.modal = ModalWorkspace::new(model, plan);
     }
 

@@ -1,6 +1,5 @@
 //! When to make checks that need not be made in every substep: counted in substeps, so that it follows from the state.
 
-use super::speeds::max_relative_speed;
 use crate::math::{FRAME_SECS, Real};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model};
@@ -25,9 +24,11 @@ pub(in crate::physics) fn is_check_due<R: Real>(
     taken.is_multiple_of(substeps_in(plan, secs, libm::round))
 }
 
-/// How long bodies may go without a check at the present relative speeds of their particles, s.
-pub(in crate::physics) fn check_interval_secs<R: Real>(model: &Model<R>, plan: &Plan, state: &State<R>) -> f64 {
-    let secs = model.bodies.iter().map(|body| body_check_interval_secs(body, max_relative_speed(body, plan, state)));
+/// How long bodies may go without a check where the particles of each move relative to each other at most by these speeds
+/// (m/s), s.
+pub(in crate::physics) fn check_interval_secs<R: Real>(model: &Model<R>, max_relative_speeds: &[f64]) -> f64 {
+    let bodies = model.bodies.iter().zip(max_relative_speeds);
+    let secs = bodies.map(|(body, max_relative_speed)| body_check_interval_secs(body, *max_relative_speed));
     secs.fold(CHECK_INTERVAL_SECS, f64::min)
 }
 

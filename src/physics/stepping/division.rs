@@ -5,7 +5,6 @@ use super::halves::SUBSTEP_LENGTH;
 use super::strain::{self, StrainPolicy};
 use crate::math::Real;
 use crate::physics::contact::Placed;
-use crate::physics::forces::ForceWorkspace;
 use crate::physics::forces::strain::StraightMotion;
 use crate::physics::limits::any_state::MAX_PARTS;
 use crate::physics::model::plan::Plan;
@@ -49,7 +48,10 @@ impl Division {
         workspace: &mut StepWorkspace<R>,
     ) -> Self {
         let StepWorkspace { contact, forces, speeds, .. } = workspace;
-        speeds.measure(model, plan, state);
+        speeds.forget();
+        if plan.parts > 0 || plan.contact_plan().is_some() {
+            speeds.measure(model, plan, state);
+        }
         let need = ContactNeed::of(model, plan, state, (obstacles, hand_pulls), speeds, &mut contact.bodies);
         state.halvings = state.halvings.max(need.halvings);
         let scheme = need.plan.map_or(plan.scheme, |contact_plan| contact_plan.scheme);
@@ -130,7 +132,7 @@ impl Division {
         model: &Model<R>,
         plan: &Plan,
         state: &mut State<R>,
-        forces: &mut ForceWorkspace<R>,
+        workspace: &mut StepWorkspace<R>,
     ) {
         if !(self.bodies_are_near || self.points_are_near)
             || self.left == 0
@@ -146,7 +148,7 @@ impl Division {
             self.strain_policy,
             &mut self.secs_since_check,
             self.secs,
-            forces,
+            (&mut workspace.speeds, &mut workspace.forces),
         );
         if let Some(strained_parts) = now.filter(|&now| now > self.parts) {
             let left = (u64::from(self.left) * u64::from(strained_parts)).div_ceil(u64::from(self.parts));

@@ -105,7 +105,7 @@ pub(super) fn advance<R: Real>(
         arrive::advance(model, &workspace.contact, part.secs, state);
         sweep::advance(model, part.secs, state);
         division.take(&mut recorder.counters);
-        division.divide_further(model, plan, state, &mut workspace.forces);
+        division.divide_further(model, plan, state, workspace);
     }
     recorder.leave(ending == Ending::Diverged)
 }

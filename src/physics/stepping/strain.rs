@@ -20,6 +20,7 @@ use crate::physics::limits::present::{self, Sums};
 use crate::physics::model::plan::Plan;
 use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::state::{BodyMemory, State, Strain};
+use crate::physics::stepping::speeds::Speeds;
 use crate::physics::stepping::{checks, speeds};
 use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
@@ -137,9 +138,10 @@ pub(in crate::physics) fn parts_within_substep<R: Real>(
     strain_policy: StrainPolicy,
     secs_since_check: &mut f64,
     secs: f64,
-    forces: &mut ForceWorkspace<R>,
+    (speeds, forces): (&mut Speeds<R>, &mut ForceWorkspace<R>),
 ) -> Option<u32> {
-    if *secs_since_check + secs > checks::check_interval_secs(model, plan, state) {
+    speeds.measure(model, plan, state);
+    if *secs_since_check + secs > checks::check_interval_secs(model, &speeds.relative) {
         *secs_since_check = 0.0;
         let State { position, velocity, bodies, .. } = state;
         let motion = StraightMotion { position, velocity, secs: R::from_f64(secs) };

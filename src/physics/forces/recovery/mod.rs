@@ -53,7 +53,8 @@ use crate::physics::model::{BodyModel, Model, Scheme};
 use crate::physics::report::Recorder;
 use crate::physics::state::{BodyMemory, State};
 use crate::physics::step::substep::Substep;
-use crate::physics::stepping::{checks, speeds};
+use crate::physics::stepping::checks;
+use crate::physics::stepping::speeds::Speeds;
 use crate::physics::team::{self, MIN_CONTACT_PARTICLES};
 
 /// Finds the bodies whose cells are checked before this substep: those with cells on their lists, and others from time to
@@ -62,16 +63,20 @@ pub(in crate::physics) fn find_due_bodies<R: Real>(
     model: &Model<R>,
     plan: &Plan,
     state: &State<R>,
+    speeds: &mut Speeds<R>,
     due: &mut Vec<bool>,
 ) -> bool {
     let taken = checks::substeps_taken(plan, state);
-    let is_time =
-        |body: &BodyModel<R>| checks::is_check_due(body, plan, taken, speeds::max_relative_speed(body, plan, state));
-    let is_due = |(body, memory): (&BodyModel<R>, &BodyMemory)| {
-        !memory.asleep && (memory.is_watched() || !plan.lean || is_time(body))
+    if plan.lean && state.bodies.iter().any(|memory| !memory.asleep && !memory.is_watched()) {
+        speeds.measure(model, plan, state);
+    }
+    let is_due = |number: usize| {
+        let (body, memory) = (&model.bodies[number], &state.bodies[number]);
+        let is_time = || checks::is_check_due(body, plan, taken, speeds.relative[number]);
+        !memory.asleep && (memory.is_watched() || !plan.lean || is_time())
     };
     due.clear();
-    due.extend(model.bodies.iter().zip(&state.bodies).map(is_due));
+    due.extend((0..model.bodies.len()).map(is_due));
     due.contains(&true)
 }
 
