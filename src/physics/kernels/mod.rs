@@ -38,6 +38,7 @@ mod level;
 mod magnitude;
 mod motion;
 mod piece;
+mod room;
 mod strain;
 mod sweep;
 mod tangent;

@@ -127,7 +127,14 @@ fn boxed<R: Real>(
     in_pieces(links, motion, chosen, level, &[])
 }
 
-/// Returns the same forces of a body that is cut after these shares of its work. The workspace starts with NaN in it.
+/// Fills the room for positions and velocities: places without a particle may hold anything.
+fn fill_with_junk<R: Real>(rooms: [[&mut [R]; 3]; 2]) {
+    let places = rooms.into_iter().flatten().flatten();
+    places.enumerate().for_each(|(place, room)| *room = R::from_f64(if place % 3 == 0 { 1e3 } else { 0.0 }));
+}
+
+/// Returns the same forces of a body that is cut after these shares of its work. The workspace starts with junk in it, and NaN
+/// in the sums.
 fn in_pieces<R: Real>(
     links: &BoxedLinks<R>,
     [position, velocity]: &[Vec<R::Vec3>; 2],
@@ -141,8 +148,10 @@ fn in_pieces<R: Real>(
     for mut piece in pieces(links, cuts) {
         assert_eq!(piece.particles.start, from, "pieces follow one another");
         from = piece.particles.end;
-        for room in piece.force.iter_mut().flatten() {
-            *room = R::from_f64(f64::NAN);
+        let [position_room, velocity_room, force_room] = piece.room.split();
+        fill_with_junk([position_room, velocity_room]);
+        for list in force_room {
+            list.fill(R::from_f64(f64::NAN));
         }
         let own = &mut force[piece.particles.clone()];
         count += add_forces(
@@ -304,9 +313,8 @@ fn finds_strain<R: Real>(
     cuts: &[f64],
 ) -> bool {
     pieces(links, cuts).iter_mut().any(|piece| {
-        // Places without a particle may hold anything.
-        let rooms = piece.position.iter_mut().chain(&mut piece.velocity).flatten();
-        rooms.enumerate().for_each(|(place, room)| *room = R::from_f64(if place % 3 == 0 { 1e3 } else { 0.0 }));
+        let [position_room, velocity_room, _] = piece.room.split();
+        fill_with_junk([position_room, velocity_room]);
         are_strained(links, level, strain, R::from_f64(secs), [position, velocity], piece)
     })
 }
@@ -351,8 +359,24 @@ fn a_window_has_less_room_than_a_large_body() {
     let Shape { lattice, .. } = shape("block", [9, 9, 300], |_| true);
     let links = in_box(&lattice, &families::<f32>(&lattice, Material::Alike, [0.1; 3]));
     for piece in pieces(&links, &[]).into_iter().chain(pieces(&links, &[0.5])) {
-        let (room, own) = (piece.position[0].len(), piece.own.len());
+        let (room, own) = (piece.room.places(), piece.own.len());
         assert!(room < own, "{room} places for {own} corners");
+    }
+}
+
+#[test]
+fn blocks_of_a_full_box_begin_with_lines_of_the_caches() {
+    // Numbers of single precision in a line.
+    const LINE: usize = 16;
+    let Shape { lattice, .. } = shape("block", [9, 11, 300], |_| true);
+    let links = in_box(&lattice, &families::<f32>(&lattice, Material::Alike, [0.1; 3]));
+    for piece in pieces(&links, &[]).into_iter().chain(pieces(&links, &[0.3, 0.7])) {
+        assert!(piece.panels.len() > 1, "the window moves on");
+        for panel in &piece.panels {
+            for block in &links.layout.blocks[panel.blocks.clone()] {
+                assert!((block.first - panel.first).is_multiple_of(LINE), "{} of {panel:?}", block.first);
+            }
+        }
     }
 }
 

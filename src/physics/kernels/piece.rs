@@ -18,6 +18,7 @@ use std::ops::Range;
 use crate::math::Real;
 use crate::physics::kernels::boxed::BoxedLinks;
 use crate::physics::kernels::layout::{BLOCK, Layout, Run};
+use crate::physics::kernels::room::Room;
 
 /// Corners of a panel: enough that the overhead of beginning one does not matter, and few enough that their vectors stay in
 /// the caches and that their links take well below a thousandth of a second, as whether to stop is asked before each panel.
@@ -31,7 +32,7 @@ const WINDOW_PANELS: usize = 3;
 /// component, in a window of its corners that moves along with the panels. Places of corners without a particle may hold
 /// anything.
 #[derive(Clone, Debug)]
-pub(in crate::physics) struct Piece<R> {
+pub(in crate::physics) struct Piece<R: Real> {
     /// The particles whose forces the piece evaluates, by their numbers in the body.
     pub(in crate::physics) particles: Range<usize>,
     /// The number of links that start in it.
@@ -42,9 +43,7 @@ pub(in crate::physics) struct Piece<R> {
     pub(super) own: Range<usize>,
     /// The panels that a sweep goes through.
     pub(super) panels: Vec<Panel>,
-    pub(super) position: [Vec<R>; 3],
-    pub(super) velocity: [Vec<R>; 3],
-    pub(super) force: [Vec<R>; 3],
+    pub(super) room: Room<R>,
 }
 
 /// Consecutive blocks of a piece. Particles that they reach for the first time are brought to the box before them, and
@@ -102,9 +101,8 @@ impl<R: Real> Piece<R> {
         let particles = particles_before(layout, own.start)..particles_before(layout, own.end);
         let panels = panels(layout, blocks, &own, &(first..past), particles.start);
         let widest = panels.iter().map(|panel| panel.reached.end - panel.first).max().unwrap_or(0);
-        let places = (past - first).min(WINDOW_PANELS * widest);
-        let room = || [(); 3].map(|()| vec![R::ZERO; places]);
-        Self { particles, links, first, own, panels, position: room(), velocity: room(), force: room() }
+        let room = Room::new((past - first).min(WINDOW_PANELS * widest));
+        Self { particles, links, first, own, panels, room }
     }
 
     /// Returns how many blocks begin in the piece.

@@ -1,7 +1,7 @@
 //! A sweep over the links of a piece of a body, panel by panel: the particles' vectors are spread over the box, the blocks
 //! worked through in ascending order, and the forces collected from the box.
 
-use std::ops::Range;
+use std::ops::{Deref, DerefMut, Range};
 
 use crate::math::{Real, Vector};
 use crate::physics::kernels::block::{self, Mask};
@@ -83,7 +83,7 @@ pub(super) struct Window<'a, R> {
     /// The vectors that are read.
     pub(super) vectors: [[&'a [R]; 3]; 2],
     /// The vectors that are added up.
-    pub(super) sum: &'a mut [Vec<R>; 3],
+    pub(super) sum: [&'a mut [R]; 3],
 }
 
 /// Brings vectors of a body's particles to the box of a piece, panel by panel, calls `work` with them, and brings the sums
@@ -98,16 +98,17 @@ pub(super) fn for_each_panel<R: Real>(
     mut work: impl FnMut(Window<'_, R>),
     done: &mut impl FnMut(Range<usize>, &mut [R::Vec3]),
 ) {
-    let Piece { particles, first, own, panels, position, velocity, force: boxed, .. } = piece;
-    let mut first = *first;
+    let Piece { particles, first, own, panels, room, .. } = piece;
+    let (mut first, places) = (*first, room.places());
+    let [mut position, mut velocity, mut boxed] = room.split();
     for panel in panels {
         if stops() {
             break;
         }
-        if panel.reached.end - first > boxed[0].len() {
+        if panel.reached.end - first > places {
             let live = panel.first - first..panel.reached.start - first;
-            for room in position.iter_mut().chain(&mut *velocity).chain(&mut *boxed) {
-                room.copy_within(live.clone(), 0);
+            for list in position.iter_mut().chain(&mut velocity).chain(&mut boxed) {
+                list.copy_within(live.clone(), 0);
             }
             first = panel.first;
         }
@@ -116,29 +117,35 @@ pub(super) fn for_each_panel<R: Real>(
             #[inline(always)]
             || {
                 if let Some(one) = vectors[0] {
-                    scatter(&panel.read, [0, first], one, position);
+                    scatter(&panel.read, [0, first], one, &mut position);
                 }
                 if let Some(other) = vectors[1] {
-                    scatter(&panel.read, [0, first], other, velocity);
+                    scatter(&panel.read, [0, first], other, &mut velocity);
                 }
                 if let Some((start, to)) = &to {
                     let (begun, runs) = &panel.begun;
                     if *begun != panel.reached {
                         // Sums at corners beyond the piece are discarded.
-                        fill(R::Vec3::ZERO, panel.reached.start - first..panel.reached.end - first, boxed);
+                        fill(R::Vec3::ZERO, panel.reached.start - first..panel.reached.end - first, &mut boxed);
                     }
                     match start {
                         InitialForce::Alike(start) | InitialForce::Passing(start) => {
-                            fill(*start, begun.start - first..begun.end - first, boxed);
+                            fill(*start, begun.start - first..begun.end - first, &mut boxed);
                         }
-                        InitialForce::Each => scatter(runs, origin, to, boxed),
+                        InitialForce::Each => scatter(runs, origin, to, &mut boxed),
                     }
                 }
-                let vectors = [slices(position), slices(velocity)];
-                work(Window { blocks: panel.blocks.clone(), first, own: own.start, vectors, sum: boxed });
+                let vectors = [slices(&position), slices(&velocity)];
+                work(Window {
+                    blocks: panel.blocks.clone(),
+                    first,
+                    own: own.start,
+                    vectors,
+                    sum: slices_mut(&mut boxed),
+                });
                 if let Some((start, to)) = &mut to {
                     let skipped = if start.is_passing() { panel.complete_range.start } else { 0 };
-                    gather(&panel.complete, [particles.start + skipped, first], boxed, to);
+                    gather(&panel.complete, [particles.start + skipped, first], &boxed, to);
                 }
             },
         );
@@ -159,10 +166,9 @@ fn sweep<R: Real>(
     blocks: Range<usize>,
     [first, own]: [usize; 2],
     [position, velocity]: [[&[R]; 3]; 2],
-    [force_x, force_y, force_z]: &mut [Vec<R>; 3],
+    [force_x, force_y, force_z]: [&mut [R]; 3],
 ) -> u64 {
     let Layout { offsets, masks, terms, .. } = &*links.layout;
-    let (force_x, force_y, force_z) = (&mut force_x[..], &mut force_y[..], &mut force_z[..]);
     let mut evaluated = 0;
     let zeros = [R::ZERO; BLOCK];
     for block in &links.layout.blocks[blocks] {
@@ -221,7 +227,12 @@ pub(super) fn add_block<R: Real>(sum: &[R; BLOCK], to: &mut [R; BLOCK]) {
 
 /// Brings vectors of the particles to their corners. `origin` is the particle and the corner that are counted as zero.
 #[inline(always)]
-pub(super) fn scatter<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3], [x, y, z]: &mut [Vec<R>; 3]) {
+pub(super) fn scatter<R: Real>(
+    runs: &[Run],
+    origin: [usize; 2],
+    from: &[R::Vec3],
+    [x, y, z]: &mut [impl DerefMut<Target = [R]>; 3],
+) {
     for run in runs {
         let [particles, corners] = run.relative_to(origin);
         let (x, y, z) = (&mut x[corners.clone()], &mut y[corners.clone()], &mut z[corners]);
@@ -233,7 +244,7 @@ pub(super) fn scatter<R: Real>(runs: &[Run], origin: [usize; 2], from: &[R::Vec3
 
 /// Gives a range of corners the same vector.
 #[inline(always)]
-fn fill<R: Real>(vector: R::Vec3, corners: Range<usize>, [x, y, z]: &mut [Vec<R>; 3]) {
+fn fill<R: Real>(vector: R::Vec3, corners: Range<usize>, [x, y, z]: &mut [&mut [R]; 3]) {
     let [vector_x, vector_y, vector_z] = vector.components();
     x[corners.clone()].fill(vector_x);
     y[corners.clone()].fill(vector_y);
@@ -242,7 +253,7 @@ fn fill<R: Real>(vector: R::Vec3, corners: Range<usize>, [x, y, z]: &mut [Vec<R>
 
 /// Brings the vectors at the corners to the particles.
 #[inline(always)]
-fn gather<R: Real>(runs: &[Run], origin: [usize; 2], [x, y, z]: &[Vec<R>; 3], to: &mut [R::Vec3]) {
+fn gather<R: Real>(runs: &[Run], origin: [usize; 2], [x, y, z]: &[&mut [R]; 3], to: &mut [R::Vec3]) {
     for run in runs {
         let [particles, corners] = run.relative_to(origin);
         let (x, y, z) = (&x[corners.clone()], &y[corners.clone()], &z[corners]);
@@ -255,7 +266,13 @@ fn gather<R: Real>(runs: &[Run], origin: [usize; 2], [x, y, z]: &[Vec<R>; 3], to
 /// Borrows the components of vectors as slices. Written out, like all functions that the loops call: a closure given to
 /// `map` is not inlined there.
 #[inline(always)]
-pub(super) fn slices<T>([x, y, z]: &[Vec<T>; 3]) -> [&[T]; 3] {
+pub(super) fn slices<T>([x, y, z]: &[impl Deref<Target = [T]>; 3]) -> [&[T]; 3] {
+    [x, y, z]
+}
+
+/// The same, to write.
+#[inline(always)]
+fn slices_mut<'a, T>([x, y, z]: &'a mut [&mut [T]; 3]) -> [&'a mut [T]; 3] {
     [x, y, z]
 }
 
