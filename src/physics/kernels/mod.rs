@@ -59,3 +59,5 @@ pub(in crate::physics) use tangent::{Tangents, tangent_bytes};
 
 #[cfg(test)]
 mod oracle_tests;
+#[cfg(test)]
+mod piece_tests;

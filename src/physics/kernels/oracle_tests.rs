@@ -14,12 +14,12 @@ use crate::physics::forces::links::link_force;
 use crate::physics::model::link::{Link, LinkConstants, LinkFamily};
 
 /// A body at rest, by name.
-struct Shape {
+pub(super) struct Shape {
     name: String,
-    lattice: Lattice,
+    pub(super) lattice: Lattice,
 }
 
-fn shape(name: &str, dims: [i32; 3], mut keep: impl FnMut([i32; 3]) -> bool) -> Shape {
+pub(super) fn shape(name: &str, dims: [i32; 3], mut keep: impl FnMut([i32; 3]) -> bool) -> Shape {
     let all = (0..dims[2]).flat_map(|z| (0..dims[1]).flat_map(move |y| (0..dims[0]).map(move |x| [x, y, z])));
     let cells: Vec<[i32; 3]> = all.filter(|cell| keep(*cell)).collect();
     let lattice = Lattice::new(&Cells::from_list(&cells, 0.1).expect("some cells"));
@@ -46,14 +46,14 @@ fn shapes() -> Vec<Shape> {
 
 /// How the links of a family are made.
 #[derive(Clone, Copy, Debug)]
-enum Material {
+pub(super) enum Material {
     /// All alike, as springs are.
     Alike,
     /// Each link has one of two values, in no order, as in bodies of two materials.
     Mixed,
 }
 
-fn families<R: Real>(lattice: &Lattice, material: Material, damping: [f64; 3]) -> [LinkFamily<R>; 3] {
+pub(super) fn families<R: Real>(lattice: &Lattice, material: Material, damping: [f64; 3]) -> [LinkFamily<R>; 3] {
     let mut rng = Rng::new(3);
     [0, 1, 2].map(|number| {
         let measure = |ends: &[u32; 2]| {
@@ -76,7 +76,7 @@ fn families<R: Real>(lattice: &Lattice, material: Material, damping: [f64; 3]) -
 }
 
 /// Positions and velocities of a crumpled body in motion, with two particles in one place.
-fn motion<R: Real>(lattice: &Lattice) -> [Vec<R::Vec3>; 2] {
+pub(super) fn motion<R: Real>(lattice: &Lattice) -> [Vec<R::Vec3>; 2] {
     let mut rng = Rng::new(7);
     let mut noise = |size: f64| DVec3::from([0; 3].map(|_| rng.between(-size, size)));
     let place = |particle: usize| lattice.rest_position(particle);
@@ -112,7 +112,7 @@ fn listed<R: Real>(
 }
 
 /// Puts the links into their box, whether it pays or not.
-fn in_box<R: Real>(lattice: &Lattice, families: &[LinkFamily<R>; 3]) -> BoxedLinks<R> {
+pub(super) fn in_box<R: Real>(lattice: &Lattice, families: &[LinkFamily<R>; 3]) -> BoxedLinks<R> {
     let layout = Layout::bounding(lattice).expect("a body is not empty").filled(lattice);
     BoxedLinks::new(Arc::new(layout), lattice, families)
 }
@@ -352,61 +352,6 @@ fn compare_strain<R: Real>() {
 fn strained_links_are_found_as_along_the_list() {
     compare_strain::<f32>();
     compare_strain::<f64>();
-}
-
-#[test]
-fn a_window_has_less_room_than_a_large_body() {
-    let Shape { lattice, .. } = shape("block", [9, 9, 300], |_| true);
-    let links = in_box(&lattice, &families::<f32>(&lattice, Material::Alike, [0.1; 3]));
-    for piece in pieces(&links, &[]).into_iter().chain(pieces(&links, &[0.5])) {
-        let (room, own) = (piece.room.places(), piece.own.len());
-        assert!(room < own, "{room} places for {own} corners");
-    }
-}
-
-#[test]
-fn blocks_of_a_full_box_begin_with_lines_of_the_caches() {
-    // Numbers of single precision in a line.
-    const LINE: usize = 16;
-    let Shape { lattice, .. } = shape("block", [9, 11, 300], |_| true);
-    let links = in_box(&lattice, &families::<f32>(&lattice, Material::Alike, [0.1; 3]));
-    for piece in pieces(&links, &[]).into_iter().chain(pieces(&links, &[0.3, 0.7])) {
-        assert!(piece.panels.len() > 1, "the window moves on");
-        for panel in &piece.panels {
-            for block in &links.layout.blocks[panel.blocks.clone()] {
-                assert!((block.first - panel.first).is_multiple_of(LINE), "{} of {panel:?}", block.first);
-            }
-        }
-    }
-}
-
-#[test]
-fn a_pass_that_is_given_up_looks_at_no_more_links() {
-    let Shape { lattice, .. } = shape("block", [30, 30, 30], |_| true);
-    let families = families::<f32>(&lattice, Material::Alike, [0.1; 3]);
-    let links = in_box(&lattice, &families);
-    let [position, velocity] = motion::<f32>(&lattice);
-    let looks = std::cell::Cell::new(0);
-    let stops = || {
-        looks.set(looks.get() + 1);
-        looks.get() > 2
-    };
-    let pass = Pass { level: SimdLevel::best(), families: [true; 3], damped: [true; 3] };
-    let mut force = vec![glam::Vec3::ZERO; position.len()];
-    let mut whole = pieces(&links, &[]);
-    let count = add_forces(
-        &links,
-        pass,
-        [&position, &velocity],
-        InitialForce::Each,
-        &mut force,
-        &mut whole[0],
-        &stops,
-        &mut |_, _| (),
-    );
-    let all: usize = families.iter().map(|family| family.links.len()).sum();
-    // Two panels, of 4096 corners with up to 16 links each.
-    assert!((1 << 16..=2 << 16).contains(&count) && count < all as u64, "{count} of {all}");
 }
 
 /// The time step that matrices of links are made for, s.
