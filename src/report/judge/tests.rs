@@ -224,6 +224,32 @@ fn a_plane_that_sweeps_away_leaves_a_thrown_body_all_its_energy() {
 }
 
 #[test]
+fn a_sample_has_no_push_of_an_obstacle_that_is_put_elsewhere_before_it_comes() {
+    let speed = 100.0;
+    let mut scene = soft_cube([0.0, -speed, 0.0], -1000.0);
+    let lattices = lattices(&scene).expect("a cube");
+    let away = Box::new(scene.clone());
+    // The cube's lower face ends the first substep 5 cm above the plane, which would stop it in the second.
+    let dt = Simulation::<f32>::new(&scene, &lattices).plan().substep_secs();
+    scene.obstacles = vec![plane_at(-0.15 - speed * dt)];
+    let kind = DisturbanceKind::Obstacles { scene: away, arrival: Arrival::Placed };
+    let put_away = [Disturbance { at_secs: 0.5 * dt, kind }];
+    let first_kinetic = |disturbances: &[Disturbance]| {
+        let mut first = None;
+        judge_with_events::<f32>(&scene, disturbances, &lattices, PATIENCE, |seen| {
+            if let JudgeEvent::Sample(sample) = seen {
+                first = first.or(Some(sample.kinetic));
+            }
+        });
+        first.expect("one after the first substep")
+    };
+    let thrown = 0.5 * 27.0 * speed * speed;
+    let [stopped, flying] = [&[], &put_away[..]].map(first_kinetic);
+    assert!(stopped < 0.5 * thrown, "half of the push is in the sample: {stopped} J of {thrown} J");
+    assert!((flying / thrown - 1.0).abs() < 0.01, "no push comes: {flying} J of {thrown} J");
+}
+
+#[test]
 fn a_strained_body_gets_as_far_as_it_is_pushed_in_the_first_part_of_a_substep() {
     let scene = soft_cube([0.0; 3], -1.0);
     let lattices = lattices(&scene).expect("a cube");

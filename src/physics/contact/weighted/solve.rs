@@ -120,3 +120,81 @@ fn kinetic_energy(movers: &Movers) -> f64 {
     let moving = movers.all.iter().filter(|mover| mover.mobility > 0.0);
     moving.map(|mover| 0.5 / mover.mobility * mover.predicted_velocity.length_squared()).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::physics::contact::weighted::modal::ModalShares;
+    use crate::physics::contact::weighted::{ContactPlane, Mover, PointLaw, SpringBefore};
+
+    const DT: f64 = 1e-3;
+
+    /// A particle of 1 kg that comes down on the ground and slides backwards, both at 1 m/s, and one of `mass` (kg) that
+    /// pushes it forwards at `speed` (m/s). The contact with the ground is solved first, so its friction knows of a push
+    /// a round later.
+    fn pushed_slider(friction: f64, mass: f64, speed: f64) -> ([PointConstraint; 2], Movers) {
+        let mut movers = Movers::default();
+        for (mobility, predicted_velocity) in [(1.0, DVec3::new(-1.0, -1.0, 0.0)), (1.0 / mass, DVec3::X * speed)] {
+            movers.all.push(Mover { particle: 0, mobility, predicted_velocity });
+            movers.velocity.push(predicted_velocity);
+        }
+        // At the depth limit, and next to no spring: contact stops what leads deeper, and does nothing else.
+        let law = PointLaw {
+            stiffness: 1e-9,
+            damping_ratio: 0.0,
+            depth_limit: 0.01,
+            load: 0.0,
+            max_parting_speed: 0.0,
+            friction: [friction; 2],
+        };
+        let spring = SpringBefore { depth: law.depth_limit, pressed: law.depth_limit, leaving_speed: 0.0 };
+        let mut contact = |normal, weights: &[(u32, f64)]| {
+            let shares = movers.weigh(weights.iter().copied(), ModalShares::default());
+            let at = ContactPlane { normal, surface_velocity: DVec3::ZERO };
+            PointConstraint::new(&law, &movers, shares, at, spring, DT).expect("nothing is held")
+        };
+        let contacts = [contact(DVec3::Y, &[(0, 1.0)]), contact(DVec3::X, &[(0, 1.0), (1, -1.0)])];
+        (contacts, movers)
+    }
+
+    #[test]
+    fn friction_drives_only_along_the_sliding_that_is_left() {
+        let ([mut ground, _], mut movers) = pushed_slider(0.25, 1.0, 0.0);
+        ground.solve(PointFriction::Coulomb, &mut movers);
+        assert!(movers.velocity[0].x < -0.7, "it slides on: {} m/s", movers.velocity[0].x);
+        assert!(!friction_drives(&[ground], &movers, 0.0), "friction brakes");
+        let mut drives_at = |speed: f64, rounding: f64| {
+            movers.velocity[0].x = speed;
+            friction_drives(&[ground], &movers, rounding)
+        };
+        // Friction of ¼ N·s took ¼ m/s.
+        let limit = 0.25 * DRIVING_SHARE;
+        assert!(drives_at(1.1 * limit, 0.0), "what others lead forwards is driven on");
+        assert!(!drives_at(0.9 * limit, 0.0), "by next to nothing");
+        assert!(!drives_at(1.1 * limit, 0.25 * limit), "by no more than rounding error");
+    }
+
+    #[test]
+    fn friction_that_drives_is_given_more_rounds() {
+        // Each round leaves the particle and the 10 kg at 10/11 of the speed of the round before.
+        let (mut contacts, mut movers) = pushed_slider(10.0, 10.0, 0.03);
+        let (mut unsettled, mut then) = (contacts, movers.clone());
+        settle(PointFriction::Coulomb, (MAX_ROUNDS, SETTLED_SHARE), None, &mut unsettled, &mut then, &mut ());
+        assert!(friction_drives(&unsettled, &then, 0.0), "as the first rounds end: {then:?}");
+        solve(&mut contacts, &mut movers, &mut (), DT);
+        assert!(!friction_drives(&contacts, &movers, 0.0), "in the end: {movers:?}");
+        let kept = contacts[0].friction().0.x;
+        assert!(kept > 0.7, "it still takes most of 1 m/s: {kept} N·s");
+    }
+
+    #[test]
+    fn friction_that_drives_after_all_rounds_is_left_out() {
+        // Friction stops the particle in every round, and 10 t push it on hardly slower than in the round before.
+        let (mut contacts, mut movers) = pushed_slider(10.0, 1e4, 0.01);
+        solve(&mut contacts, &mut movers, &mut (), DT);
+        assert_eq!(contacts[0].friction().0, DVec3::ZERO, "{movers:?}");
+        assert!(movers.velocity[0].x > 0.0, "the push is left: {movers:?}");
+    }
+}
