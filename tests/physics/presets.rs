@@ -156,7 +156,9 @@ fn the_pile_comes_to_rest_in_the_bowl() {
     assert!(figures.finite && figures.inverted_cells == 0, "{figures:?}");
     let [low, high] = [figures.bounds.min, figures.bounds.max];
     assert!(low[1] > 0.05 && high[0] < 1.3 && low[0] > -1.3 && high[2] < 1.3 && low[2] > -1.3, "{:?}", figures.bounds);
-    assert!(figures.max_speed < 0.3 && figures.body_contacts > 50, "{} m/s", figures.max_speed);
+    assert!(figures.max_speed < 0.3, "{} m/s", figures.max_speed);
+    // What lies on others needs three contacts.
+    assert!(figures.body_contacts >= 3 * 12, "twelve jellies have {} contacts", figures.body_contacts);
 }
 
 #[test]
