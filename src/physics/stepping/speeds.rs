@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use crate::math::{Aabb, Real, Vector};
 use crate::physics::kernels;
-use crate::physics::model::Model;
 use crate::physics::model::plan::Plan;
+use crate::physics::model::{BodyModel, Model};
 use crate::physics::state::State;
 use crate::physics::team;
 
@@ -65,11 +65,11 @@ impl<R: Real> Speeds<R> {
                 *bounds = kernels::bounds::<R>(plan.simd, &state.velocity[particles.clone()]);
             }
         });
-        // A body without particles that are checked stands still.
-        let nothing = [Aabb::around([R::Vec3::ZERO]), Aabb::empty()];
-        let is_checked = |body: usize| self.groups.binary_search_by_key(&body, |(body, _)| *body).is_ok();
+        // A body of which no particle is checked counts as still.
+        let is_checked = |body: &BodyModel<R>| body.modal.is_none() && !body.particles.is_empty();
+        let begin = |body| if is_checked(body) { Aabb::empty() } else { Aabb::around([R::Vec3::ZERO]) };
         self.velocity_bounds.clear();
-        self.velocity_bounds.extend((0..model.bodies.len()).map(|body| nothing[usize::from(is_checked(body))]));
+        self.velocity_bounds.extend(model.bodies.iter().map(begin));
         for ((body, _), bounds) in self.groups.iter().zip(&self.group_bounds) {
             self.velocity_bounds[*body] = self.velocity_bounds[*body].joined(*bounds);
         }
