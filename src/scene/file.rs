@@ -8,7 +8,7 @@ use ron::extensions::Extensions;
 use ron::ser::PrettyConfig;
 use thiserror::Error;
 
-use super::param::{self, Problem};
+use super::param::{self, Kind, Problem};
 use super::{Scene, VERSION, embedded_check};
 use super::{ron_lines, ron_words};
 use crate::disk::{self, ReadError};
@@ -149,7 +149,8 @@ impl Scene {
                 line: error.span.start.line,
                 column: error.span.start.col,
                 path: path_of(&code, &ron_lines::path_before(text, error.span.end.line, error.span.end.col)),
-                message: ron_words::words(&code),
+                message: misfit(&code, text, [error.span.start.line, error.span.start.col])
+                    .unwrap_or_else(|| ron_words::words(&code)),
             },
         })?;
         let mut problems = scene.problems();
@@ -228,6 +229,25 @@ fn path_of(error: &ron::Error, last: &str) -> String {
         },
         _ => echo(last),
     }
+}
+
+/// Says what may stand at a line and column, both from 1, where a value of another kind does.
+fn misfit(error: &ron::Error, text: &str, [line, column]: [usize; 2]) -> Option<String> {
+    use ron::Error as E;
+    let (path, found) = ron_lines::value_at(text, line, column)?;
+    let param = param::find(&path)?;
+    let is_misfit = match error {
+        E::ExpectedInteger
+        | E::ExpectedFloat
+        | E::IntegerOutOfBounds
+        | E::InvalidIntegerDigit { .. }
+        | E::ExpectedBoolean => true,
+        // What follows the point of a number that must be whole.
+        E::ExpectedComma => matches!(param.kind, Kind::Integer { .. }) && found.contains('.'),
+        _ => false,
+    };
+    let allowed = super::path::allowed(param, &path);
+    is_misfit.then(|| format!("{} = {} does not fit; allowed: {allowed}", echo(&path), echo(found)))
 }
 
 fn options() -> ron::Options {
@@ -346,6 +366,15 @@ mod tests {
             let jargon = ["dentifier", "r#", "RON", "struct", "enum", "Expected"];
             assert!(!jargon.iter().any(|word| message.contains(word)), "{text}: {message}");
         }
+        let body = "bodies.0.shape.cube.cells";
+        for cells in ["-4", "1e3", "4.5", "\"x\"", "nine", "99999999999"] {
+            let message =
+                refusal(&format!("(version: 1,\n bodies: [(name: \"ü, (\", shape: cube(size: 1.0, cells: {cells}))])"));
+            let said = format!(": {body} = {cells} does not fit; allowed: a whole number, 1 … 199");
+            assert!(message.starts_with("a.ron:2:") && message.ends_with(&said), "{message}");
+        }
+        let no_comma = refusal("(version: 1, bodies: [(shape: cube(cells: 4 size: 1.0))])");
+        assert!(no_comma.ends_with("a comma is expected here"), "{no_comma}");
         let form = refusal("(version: 1, obstacles: [(name: \"a\")])");
         assert!(form.contains("one of `plane`, `sphere`, `box`, `capsule`, `cylinder` and `mesh`"), "{form}");
         let several = refusal("(version: 1, obstacles: [(box: (), capsule: ())])");

@@ -185,8 +185,10 @@ fn unquoted(text: &str) -> String {
     }
 }
 
-fn allowed(param: &Param, path: &str) -> String {
+/// What may stand at a path.
+pub(super) fn allowed(param: &Param, path: &str) -> String {
     let range = param.range_text();
+    let range = if matches!(param.kind, Kind::Integer { .. }) { format!("a whole number, {range}") } else { range };
     match param.len {
         1 => range,
         _ if !param::matches(param.path, path) => range,

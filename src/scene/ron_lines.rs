@@ -26,11 +26,34 @@ pub(super) fn lines_of<'a>(text: &str, paths: impl Iterator<Item = &'a str> + Cl
     paths.map(|path| lines.get(path).copied().flatten()).collect()
 }
 
-/// The path of the last name or value that begins before a line and column, both from 1.
-pub(super) fn path_before(text: &str, line: usize, column: usize) -> String {
+/// The value at a line and column, both from 1, or right before it, and its path.
+pub(super) fn value_at(text: &str, line: usize, column: usize) -> Option<(String, &str)> {
+    let at = byte_at(text, line, column);
+    // The place may be before the blanks that precede the value.
+    let at = text.len() - text[at..].trim_start().len();
+    let mut position = TreePosition::default();
+    let mut tokens = Tokens::of(text).peekable();
+    while let Some((token, begin)) = tokens.next_if(|(_, begin)| begin.byte <= at) {
+        let is_value = position.follow(token, tokens.peek().map(|(next, _)| *next));
+        if let (true, Token::Word(word)) = (is_value, token)
+            && at <= begin.byte + word.len()
+        {
+            return Some((position.path(), word));
+        }
+    }
+    None
+}
+
+/// The place of a line and column, both from 1, in a text.
+fn byte_at(text: &str, line: usize, column: usize) -> usize {
     let lines_before: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
     let in_line = text[lines_before..].char_indices().nth(column.saturating_sub(1));
-    let end = in_line.map_or(text.len(), |(at, _)| lines_before + at);
+    in_line.map_or(text.len(), |(at, _)| lines_before + at)
+}
+
+/// The path of the last name or value that begins before a line and column, both from 1.
+pub(super) fn path_before(text: &str, line: usize, column: usize) -> String {
+    let end = byte_at(text, line, column);
     let mut position = TreePosition::default();
     let mut tokens = Tokens::of(text).peekable();
     while let Some((token, _)) = tokens.next_if(|(_, begin)| begin.byte < end) {
