@@ -34,7 +34,8 @@
 use super::any_state::MAX_PARTS;
 use super::load::{LinkLoad, Margin, SAFETY};
 use crate::math::{Real, Vector};
-use crate::physics::model::{BodyModel, Scheme};
+use crate::physics::kernels::SimdLevel;
+use crate::physics::model::{BodyModel, LinkFamily, Scheme};
 
 /// The share that is taken of a step of semi-implicit Euler bounded by damping, the same for all families. At rest, families
 /// that do not hold a body in shape take less, as links may point elsewhere by the next step, and those that do take more.
@@ -70,45 +71,67 @@ type Symmetric<R> = [R; 6];
 /// The identity.
 const IDENTITY: Symmetric<f64> = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 
-/// The sums at a particle, stiffness and damping.
-pub(in crate::physics) type Sums<R> = [Symmetric<R>; 2];
+/// The sums at a particle: the matrix of stiffness and that of damping, side by side, so that both are added at once.
+pub(in crate::physics) type Sums<R> = [R; 12];
 
 /// Memory for the sums of a particle in single precision.
 pub(in crate::physics) const BYTES_A_PARTICLE: usize = size_of::<Sums<f32>>();
 
 /// Returns the most that the links of a body add with its particles at `position` (m); `sums` has an element for each of them.
-pub(in crate::physics) fn load<R: Real>(body: &BodyModel<R>, position: &[R::Vec3], sums: &mut [Sums<R>]) -> LinkLoad {
+pub(in crate::physics) fn load<R: Real>(
+    level: SimdLevel,
+    body: &BodyModel<R>,
+    position: &[R::Vec3],
+    sums: &mut [Sums<R>],
+) -> LinkLoad {
     sums.fill(Sums::default());
-    let mobility = |particle: usize| if body.is_pinned(particle) { R::ZERO } else { body.inverse_mass(particle) };
     for family in &body.links {
-        for (number, link) in family.links.iter().enumerate() {
-            let ends = link.ends.map(|end| end as usize);
-            let d = (position[ends[1]] - position[ends[0]]) * link.inverse_rest_length;
-            let length = d.length();
-            let (along, tension) = if length > R::ZERO {
-                let [x, y, z] = (d * (R::ONE / length)).components();
-                ([x * x, y * y, z * z, y * z, z * x, x * y], (R::ONE - R::ONE / length).max(R::ZERO))
-            } else {
-                // Ends in one place may go apart in any direction.
-                (IDENTITY.map(R::from_f64), R::ZERO)
-            };
-            let per_constant = link.inverse_rest_length * (mobility(ends[0]) + mobility(ends[1]));
-            let [stiffness, damping] = family.constants(number).map(|constant| constant * per_constant);
-            for end in ends {
-                let [of_stiffness, of_damping] = &mut sums[end];
-                for (place, along) in along.into_iter().enumerate() {
-                    of_stiffness[place] += stiffness * (along + tension * (R::from_f64(IDENTITY[place]) - along));
-                    of_damping[place] += damping * along;
-                }
-            }
-        }
+        level.run(
+            #[inline(always)]
+            || add_links(body, family, position, sums),
+        );
     }
     let free = sums.iter().enumerate().filter(|(particle, _)| !body.is_pinned(*particle));
-    let most = free.fold([R::ZERO; 2], |most, (_, sums)| {
-        std::array::from_fn(|which| most[which].max(largest_eigenvalue(&sums[which])))
+    let most = free.fold([R::ZERO; 2], |[most_stiffness, most_damping], (_, &sums)| {
+        let [xx, yy, zz, yz, zx, xy, damping @ ..] = sums;
+        [
+            most_stiffness.max(largest_eigenvalue(&[xx, yy, zz, yz, zx, xy])),
+            most_damping.max(largest_eigenvalue(&damping)),
+        ]
     });
     let [stiffness, damping] = most.map(Real::to_f64);
     LinkLoad { stiffness, damping }
+}
+
+/// Adds what the links of a family resist to the sums at their ends.
+#[inline(always)]
+fn add_links<R: Real>(body: &BodyModel<R>, family: &LinkFamily<R>, position: &[R::Vec3], sums: &mut [Sums<R>]) {
+    let identity = IDENTITY.map(R::from_f64);
+    let mobility = |particle: usize| if body.is_pinned(particle) { R::ZERO } else { body.inverse_mass(particle) };
+    for (number, link) in family.links.iter().enumerate() {
+        let ends = link.ends.map(|end| end as usize);
+        let d = (position[ends[1]] - position[ends[0]]) * link.inverse_rest_length;
+        let length = d.length();
+        let (along, tension) = if length > R::ZERO {
+            let [x, y, z] = (d * (R::ONE / length)).components();
+            ([x * x, y * y, z * z, y * z, z * x, x * y], (R::ONE - R::ONE / length).max(R::ZERO))
+        } else {
+            // Ends in one place may go apart in any direction.
+            (identity, R::ZERO)
+        };
+        let per_constant = link.inverse_rest_length * (mobility(ends[0]) + mobility(ends[1]));
+        let [stiffness, damping] = family.constants(number).map(|constant| constant * per_constant);
+        let mut own = Sums::<R>::default();
+        for (place, along) in along.into_iter().enumerate() {
+            own[place] = stiffness * (along + tension * (identity[place] - along));
+            own[place + 6] = damping * along;
+        }
+        for end in ends {
+            for (sum, own) in sums[end].iter_mut().zip(own) {
+                *sum += own;
+            }
+        }
+    }
 }
 
 /// Returns an upper bound of a matrix's largest eigenvalue, exact if the two others are equal. With the mean μ of the three
@@ -127,7 +150,7 @@ mod tests {
 
     use glam::{DMat3, DQuat, DVec3};
 
-    use super::{MAX_PUSH_LOAD, PUSH_DAMPER_SHARE, Sums, largest_eigenvalue, load, parts};
+    use super::{MAX_PUSH_LOAD, PUSH_DAMPER_SHARE, SimdLevel, Sums, largest_eigenvalue, load, parts};
     use crate::math::rng::Rng;
     use crate::physics::Simulation;
     use crate::physics::limits::fastest_tests::fastest;
@@ -146,7 +169,7 @@ mod tests {
     }
 
     fn load_of(body: &BodyModel<f64>, position: &[DVec3]) -> LinkLoad {
-        load(body, position, &mut vec![Sums::default(); position.len()])
+        load(SimdLevel::best(), body, position, &mut vec![Sums::default(); position.len()])
     }
 
     #[test]

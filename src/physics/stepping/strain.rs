@@ -273,7 +273,7 @@ fn update_loads<R: Real>(
             } else if check.is_due(number) || memory.load == LinkLoad::default() {
                 let own = body.particles.clone();
                 let sums = &mut sums[own.start - first..own.end - first];
-                let now = present::load(body, &position[own], sums);
+                let now = present::load(plan.simd, body, &position[own], sums);
                 memory.load = now.larger_of(memory.load.times(LOAD_DECAY));
             }
         }
