@@ -116,8 +116,6 @@ pub struct Session {
     stroke: Stroke,
     clock: Clock,
     playing: bool,
-    /// The simulated time from which on nothing has moved, s; none while something moves.
-    rest_since_secs: Option<f64>,
     speed: f64,
     report: StepReport,
     /// Why the simulation was stopped, if it was.
@@ -202,7 +200,6 @@ impl Session {
             stroke: Stroke::default(),
             clock: Clock::default(),
             playing: true,
-            rest_since_secs: None,
             speed: 1.0,
             report: StepReport::default(),
             trouble: None,
@@ -246,7 +243,6 @@ impl Session {
     fn restart(&mut self) {
         let modes = self.known_modes(&self.scene);
         self.simulation = Simulation::with_modes(&self.scene, &self.bodies.lattices(), &modes);
-        self.rest_since_secs = None;
         self.report = StepReport::default();
         self.step_errors.reset();
         self.clock.reset();
@@ -275,11 +271,22 @@ impl Session {
         if !self.playing {
             return;
         }
+        if self.is_stopped_by_rest() {
+            let wall_secs = wall.as_secs_f64();
+            self.clock.record(ClockInterval {
+                wall_secs,
+                simulated_secs: self.speed * wall_secs,
+                ..ClockInterval::default()
+            });
+            // What was known of its motion is no longer so.
+            self.predict_step_error(budget);
+            return;
+        }
         let time_before = self.simulation.state().time_secs;
         let dt_secs = self.simulation.plan().dt_secs;
         self.clock.accumulate(wall.as_secs_f64(), self.speed);
         kept_awake(self.simulation.plan().threads, || {
-            while self.clock.is_step_due(dt_secs) && begin.elapsed() < budget {
+            while self.clock.is_step_due(dt_secs) && begin.elapsed() < budget && !self.is_stopped_by_rest() {
                 self.step_gate.wait();
                 if !self.substep() || self.report.stopped {
                     break;
@@ -298,6 +305,14 @@ impl Session {
         });
         self.predict_step_error(budget);
         self.find_inversion();
+    }
+
+    /// Whether simulated time stands still because nothing moves: the picture of a scene at rest is not drawn again, and a
+    /// clock that ran on unseen would jump at the next drawing. A step that has begun is ended.
+    fn is_stopped_by_rest(&self) -> bool {
+        // The first substep of a state that was opened asleep counts its contacts.
+        let is_counted = self.report.counters.substeps > 0;
+        is_counted && self.simulation.is_asleep() && self.simulation.state().is_between_steps()
     }
 
     /// Tries all cures where something is wrong, however long it takes.
@@ -332,7 +347,6 @@ impl Session {
 
     fn substep(&mut self) -> bool {
         let asleep = self.simulation.is_asleep();
-        self.rest_since_secs = asleep.then(|| self.rest_since_secs());
         let timer = match &mut self.costs {
             None => self.stage_sample.next_timer(),
             Some(costs) => Some(costs.timer()),
@@ -411,14 +425,8 @@ impl Session {
 
     fn replace_state(&mut self, state: State<f32>) {
         self.simulation.set_state(state);
-        self.rest_since_secs = None;
         self.step_errors.reset();
         self.picture.invalidate();
-    }
-
-    /// The simulated time from which on nothing has moved, s; the present time while something moves.
-    fn rest_since_secs(&self) -> f64 {
-        self.rest_since_secs.unwrap_or_else(|| self.simulation.state().time_secs)
     }
 }
 

@@ -27,7 +27,6 @@ impl Session {
             playing: self.playing,
             at_rest: self.simulation.is_asleep(),
             time_secs: self.simulation.state().time_secs,
-            rest_since_secs: self.rest_since_secs(),
             speed: self.speed,
             real_time_factor: recent.real_time_factor().unwrap_or(self.speed),
             behind: self.is_behind(),

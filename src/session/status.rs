@@ -36,12 +36,10 @@ pub struct Status {
     pub base_dir: PathBuf,
     /// Whether time runs.
     pub playing: bool,
-    /// Whether all bodies have come to rest: time runs, but nothing moves until something is touched.
+    /// Whether all bodies have come to rest: time stands still until something is touched.
     pub at_rest: bool,
     /// Simulated time, s.
     pub time_secs: f64,
-    /// The simulated time from which on nothing has moved, s, where all bodies have come to rest.
-    pub rest_since_secs: f64,
     /// Speed asked for: simulated seconds a wall second.
     pub speed: f64,
     /// Speed reached over the last second; 1 is real time.

@@ -41,7 +41,7 @@ pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, panels: &mut Panels, com
             commands.push(Command::StepOnce);
         }
         ui.add_space(4.0);
-        theme::figures_ui(ui, &format!("{:.3} s", clock_secs(status)), "000.000 s", theme::of(ui).strong)
+        theme::figures_ui(ui, &format!("{:.3} s", status.time_secs), "000.000 s", theme::of(ui).strong)
             .on_hover_text("Simulated time");
         ui.add_space(8.0);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -65,10 +65,10 @@ pub(super) fn timeline_ui(ui: &mut Ui, status: &Status, panels: &mut Panels, com
 
 /// Particles, links and contacts. Laid out from right to left.
 fn counts_ui(ui: &mut Ui, status: &Status) {
-    for (index, (name, count, widest)) in [
-        ("contacts", status.contacts, "00\u{2009}000"),
-        ("links", status.links, "000\u{2009}000"),
-        ("particles", status.particles, "00\u{2009}000"),
+    for (index, ([one, many], count, widest)) in [
+        (["contact", "contacts"], status.contacts, "00\u{2009}000"),
+        (["link", "links"], status.links, "000\u{2009}000"),
+        (["particle", "particles"], status.particles, "00\u{2009}000"),
     ]
     .into_iter()
     .enumerate()
@@ -77,15 +77,10 @@ fn counts_ui(ui: &mut Ui, status: &Status) {
         if index > 0 {
             ui.add_space(9.0);
         }
+        let name = if count == 1 { one } else { many };
         ui.label(RichText::new(name).color(theme::of(ui).weak));
         theme::figures_ui(ui, &grouped(count), widest, theme::of(ui).strong);
     }
-}
-
-/// The time shown, s. The picture of a scene at rest is not drawn again: a time that ran on unseen would jump at the next
-/// drawing.
-fn clock_secs(status: &Status) -> f64 {
-    if status.playing && status.at_rest { status.rest_since_secs } else { status.time_secs }
 }
 
 /// The state of the simulation, as a sentence.
@@ -100,7 +95,7 @@ fn status_words(status: &Status) -> String {
         return "Paused. Space plays, a full stop takes one step.".to_owned();
     }
     if status.at_rest {
-        let since = status.rest_since_secs;
+        let since = status.time_secs;
         return format!("At rest since {since:.3} s: nothing moves until something is touched.");
     }
     if !status.limited_by.is_empty() {
@@ -126,10 +121,8 @@ mod tests {
         assert_eq!(status_words(&divided), "Running in substeps of 0.250 ms: limited by shear stiffness.");
         let slow = Status { limited_by: "3 times slower than real time: limited by shear stiffness".into(), ..divided };
         assert_eq!(status_words(&slow), "3 times slower than real time: limited by shear stiffness");
-        let rested = Status { at_rest: true, rest_since_secs: 2.5, time_secs: 9.0, ..slow.clone() };
+        let rested = Status { at_rest: true, time_secs: 2.5, ..slow.clone() };
         assert!(status_words(&rested).starts_with("At rest since 2.500 s"), "nothing is slow that does not move");
-        assert!((clock_secs(&rested) - 2.5).abs() < 1e-12, "the clock shows what the words say");
-        assert!((clock_secs(&Status { playing: false, ..rested }) - 9.0).abs() < 1e-12, "time stands where it is");
         let trouble = |stopped| Some(Trouble { stopped, ..Trouble::default() });
         let stopped = Status { playing: false, trouble: trouble(true), ..slow.clone() };
         assert!(status_words(&stopped).ends_with("Space starts again from the beginning."), "it cannot go on");
