@@ -36,6 +36,7 @@ mod tip;
 mod top_bar;
 mod tree;
 mod trouble;
+mod typed_text;
 mod value;
 mod widths;
 mod words;

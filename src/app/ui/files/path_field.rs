@@ -1,11 +1,13 @@
 //! A field for a path that reports errors while a person types, with the matching files of the folder below it. It works on
 //! every system, with or without file dialogs. Looks at the file system only when the text changes.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use egui::{Button, Key, Label, RichText, ScrollArea, Sense, TextEdit, Ui, UiBuilder, WidgetInfo, vec2};
 
 use super::super::theme;
+use super::super::typed_text::select;
 use crate::app::sentence::sentence;
 use crate::disk::{check_new_folder, folder_of};
 use crate::scene::Scene;
@@ -115,6 +117,7 @@ impl PathField {
             let field = ui.add(edit).labelled_by(name.id);
             if std::mem::take(&mut self.focus) {
                 field.request_focus();
+                select(ui, field.id, name_letters(&self.text));
             }
             let entered = ui.input(|input| input.key_pressed(Key::Enter));
             // Enter also counts after a click beside everything, which takes the keyboard from the field.
@@ -220,6 +223,15 @@ fn expanded(text: &str) -> PathBuf {
         }
         _ => text.into(),
     }
+}
+
+/// The letters of a path that are the name of its file, without the ending.
+fn name_letters(text: &str) -> Range<usize> {
+    let first = text.rfind(['/', '\\']).map_or(0, |at| at + 1);
+    let name = &text[first..];
+    let end = first + name.rfind('.').filter(|at| *at > 0).unwrap_or(name.len());
+    let letters = |end: usize| text[..end].chars().count();
+    letters(first)..letters(end)
 }
 
 /// The folder that a text names, or that of the file it names.
@@ -349,6 +361,22 @@ mod tests {
 
     fn verdict(purpose: PathUse, folder: &tempfile::TempDir, name: &str) -> Verdict {
         judge(purpose, &folder.path().join(name).to_string_lossy())
+    }
+
+    #[test]
+    fn typing_replaces_the_name_of_a_file() {
+        for (text, name) in [
+            ("/home/zoë/cube-on-plane.ron", "cube-on-plane"),
+            ("a.b.ron", "a.b"),
+            ("/x.y/scene", "scene"),
+            ("/x/.hidden", ".hidden"),
+            ("/x/", ""),
+            ("", ""),
+        ] {
+            let letters = name_letters(text);
+            let selected: String = text.chars().skip(letters.start).take(letters.len()).collect();
+            assert_eq!(selected, name, "of {text}");
+        }
     }
 
     #[test]

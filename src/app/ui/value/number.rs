@@ -2,12 +2,11 @@
 
 use std::cell::RefCell;
 
-use egui::text::{CCursor, CCursorRange};
-use egui::text_edit::TextEditState;
 use egui::{Color32, Direction, DragValue, Id, Layout, Sense, TextStyle, Ui, UiBuilder, WidgetInfo, vec2};
 
 use super::super::figure::{figure, parse, rounded, short_figure, whole_figure};
 use super::super::tip::tip_ui;
+use super::super::typed_text::select;
 use super::help::{help, hint};
 use super::interaction::{Interaction, differs, drag_value, set_drag_value};
 use super::scale::ends;
@@ -68,7 +67,8 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
         hint(ui, id, Some(format!("“{text}” is not understood. Allowed: {}", param.range_text())));
     }
     if response.clicked() {
-        select_all(ui, response.id, whole_figure(shown).chars().count());
+        // The widget itself selects only the length of the text shown before.
+        select(ui, response.id, 0..whole_figure(shown).chars().count());
     }
     response.widget_info(|| WidgetInfo::drag_value(ui.is_enabled(), *value));
     tip_ui(ui, &response, || format!("{}{unit}\n{}", whole_figure(*value), help(param)));
@@ -94,11 +94,4 @@ pub(super) fn number_ui(ui: &mut Ui, id: Id, param: &Param, label: &str, unit: &
     }
     set_drag_value(ui, dragged_id, dragged.then_some(shown));
     interaction
-}
-
-/// Selects the whole text, so that typing replaces it: the widget itself selects only the length of the text shown before.
-fn select_all(ui: &Ui, id: Id, letters: usize) {
-    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
-    state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(0), CCursor::new(letters))));
-    state.store(ui.ctx(), id);
 }
