@@ -44,6 +44,7 @@ impl Change {
             | Command::CancelEdit
             | Command::Teleport(..)
             | Command::AddBody { .. }
+            | Command::AddMesh(_)
             | Command::Brush(_) => Some(Self::Other),
             _ => command.replaces_scene().then_some(Self::Scene),
         }
@@ -61,7 +62,7 @@ impl Unanswered {
             | Command::Teleport(..)
             | Command::Refill { .. }
             | Command::Brush(_) => any(|change| !matches!(change, Change::Replacement(_))),
-            Command::Undo | Command::Redo | Command::CancelEdit | Command::AddBody { .. } => {
+            Command::Undo | Command::Redo | Command::CancelEdit | Command::AddBody { .. } | Command::AddMesh(_) => {
                 any(|change| matches!(change, Change::Scene))
             }
             _ => false,

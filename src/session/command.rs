@@ -10,7 +10,7 @@ use crate::scene::cell_brush::CellChange;
 use crate::scene::edit::{BodyId, Edit};
 use crate::scene::resolve::Jelly;
 use crate::scene::view_settings::CameraSettings;
-use crate::scene::{Body, Scene};
+use crate::scene::{Body, Obstacle, Scene};
 
 /// One thing a person does.
 #[derive(Clone, Debug)]
@@ -103,6 +103,9 @@ pub enum Command {
         /// Its shape, made ready; relative model paths start where the scene's do.
         jelly: Box<Jelly>,
     },
+    /// Read the model of an obstacle, a mesh, and add the obstacle after the others. Its center is that of a cube as long as
+    /// the model; it stands as high as the cube would.
+    AddMesh(Box<Obstacle>),
     /// Give a body another shape, made ready elsewhere; its motion goes on.
     Refill {
         /// The body's place.
@@ -204,6 +207,7 @@ impl Command {
                 | Self::Drag(_)
                 | Self::CancelEdit
                 | Self::AddBody { .. }
+                | Self::AddMesh(_)
                 | Self::Refill { .. }
                 | Self::Undo
                 | Self::Redo
@@ -231,6 +235,7 @@ impl Command {
             | Self::EndEdit
             | Self::CancelEdit
             | Self::AddBody { .. }
+            | Self::AddMesh(_)
             | Self::Refill { .. }
             | Self::Undo
             | Self::Redo

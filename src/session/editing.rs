@@ -15,10 +15,10 @@ use crate::math::rotation;
 use crate::physics::Simulation;
 use crate::physics::{Arrival, BodyMotion};
 use crate::scene::cell_brush::{middle_shift, own_cells};
-use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, body_impact};
+use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, ObstacleId, body_impact};
 use crate::scene::param::Problem;
-use crate::scene::resolve::{Jelly, load_meshes};
-use crate::scene::{Body, MovesBy, ObstacleShape, Pose, Scene, Shape, named};
+use crate::scene::resolve::{Jelly, MeshError, load_meshes};
+use crate::scene::{Body, MovesBy, Obstacle, ObstacleShape, Pose, Scene, Shape, named};
 
 /// The progress of a change once its bodies are made, and once they are compiled for simulation.
 const BODIES_MADE_PROGRESS: f64 = 0.4;
@@ -35,6 +35,24 @@ impl Session {
         let change = self.make_change(edit, words, false, arrival)?;
         self.history.record(change);
         Ok(())
+    }
+
+    /// Adds a mesh that stands where a cube of its length would: how high it is is known once its file is read.
+    pub(super) fn add_mesh(&mut self, obstacle: Obstacle) -> Result<(), SessionError> {
+        let place = self.scene.obstacles.len();
+        let mut read = Scene { obstacles: vec![obstacle], models: self.scene.models.clone(), ..Scene::default() };
+        let progress = self.progress.clone();
+        let watch: &dyn Watch = progress.as_ref().map_or(&(), |progress| &**progress);
+        let outcome = load_meshes(&mut read, self.shape_cache.base_dir(), watch);
+        if watch.cancelled() {
+            return Err(SessionError::ChangeStopped);
+        }
+        outcome.map_err(|error| SessionError::from(MeshError { obstacle: place, ..error }))?;
+        let mut obstacle = read.obstacles.remove(0);
+        if let ObstacleShape::Mesh(mesh) = &mut obstacle.shape {
+            mesh.center[1] += mesh.half_extents().y - 0.5 * mesh.length;
+        }
+        self.edit(Edit::InsertObstacle(ObstacleId(place), Box::new(obstacle)), Arrival::Placed)
     }
 
     /// Puts the middle of a body somewhere.

@@ -74,6 +74,7 @@ impl Session {
             }
             Command::CancelEdit => self.cancel_edit()?,
             Command::AddBody { body, jelly } => self.add_body(body, *jelly)?,
+            Command::AddMesh(obstacle) => self.add_mesh(*obstacle)?,
             Command::Refill { id, body, jelly } => self.refill(id, body, *jelly)?,
             Command::Undo => self.undo()?,
             Command::Redo => self.redo()?,

@@ -97,3 +97,26 @@ fn the_path_of_a_mesh_is_written_as_seen_from_the_scenes_folder() {
     let again = Session::open(opened, &()).expect("it is found from there");
     assert!(surface_of(&again, 0).is_closed(), "a pyramid has an inside");
 }
+
+#[test]
+fn a_mesh_that_is_added_stands_where_a_cube_would() {
+    let (_kept, folder) = folder();
+    let mut session = session(&folder);
+    let before = session.scene().to_ron().expect("a text");
+    let added = |path: &str| {
+        let mut obstacle = mesh(path);
+        *obstacle.shape.center_mut() = [3.0, 1.0, 0.0];
+        Command::AddMesh(Box::new(obstacle))
+    };
+    session.handle(added("pyramid.obj")).expect("a sound mesh");
+    let shape = &session.scene().obstacles[1].shape;
+    let (half, center) = (0.5 * shape.bounds().size(), shape.center());
+    assert!(half.y < 0.6 * half.x, "a pyramid half as high as wide: {half}");
+    let (cubes_bottom, bottom) = (1.0 - 0.5 * Mesh::default().length, center[1] - half.y);
+    assert!((bottom - cubes_bottom).abs() < 1e-12, "its bottom is at {bottom} m, not {cubes_bottom} m");
+    session.handle(Command::Undo).expect("it can go");
+    assert_eq!(session.scene().to_ron().expect("a text"), before, "byte for byte");
+    let refused = session.handle(added("gone.obj")).expect_err("there is no such file").to_string();
+    assert_eq!(refused, "the model of obstacle 2");
+    assert_eq!(session.scene().to_ron().expect("a text"), before, "nothing has changed");
+}

@@ -118,12 +118,14 @@ pub(super) fn create(new: New, running: Running<'_>, state: &mut UiState, comman
 pub(super) fn add_mesh(path: &Path, running: Running<'_>, state: &mut UiState, commands: &mut Vec<Command>) {
     let scene = running.scene;
     let length = MESH_SIZE * usual_size(scene);
-    // The width of the model is unknown until the file is read.
+    // The shape of the model is unknown until the file is read.
     let center = within(surroundings(running).place(state.look, DVec3::splat(length), 0.0));
     let name = path.file_stem().map_or_else(|| "Mesh".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let path = path.to_string_lossy().into_owned();
     let shape = ObstacleShape::Mesh(Mesh { path, center, length, up: UpAxis::Auto, ..Mesh::default() });
-    add_obstacle(Obstacle { name, shape, ..Obstacle::default() }, scene, state, commands);
+    state.awaited = Some(Target::Obstacle(ObstacleId(scene.obstacles.len())));
+    let mesh = Obstacle { name, shape, ..Obstacle::default() };
+    commands.extend([Command::EndEdit, Command::AddMesh(Box::new(mesh)), Command::EndEdit]);
 }
 
 /// Adds a copy of something near it and selects it.
