@@ -311,6 +311,9 @@ impl Shell {
             // Nothing can be saved any more; unsaved changes are kept as a draft.
             self.close(event_loop);
         } else {
+            // The question whether to save is asked in a picture, which a covered window does not draw.
+            self.set_visible(true);
+            self.window.focus_window();
             self.act(Action::Files(FileAction::Quit));
         }
     }
