@@ -1,5 +1,5 @@
 // Jelly: Phong (ambient, diffuse, specular) with a rim of light, a crisp highlight, and light that shines through thin parts
-// of the body. If scalars are shown, the surface takes its colour from the map and shines less. It may also show the paint
+// of the body. If scalars are shown, the surface takes its colour from the map, without highlights. It may also show the paint
 // of its vertices.
 
 struct Varying {
@@ -48,13 +48,16 @@ fn lit(in: Varying, front: bool, paint: vec4f) -> vec4f {
 
     var albedo = in.color;
     var gloss = 1.0;
+    var highlight = 1.0;
     if frame.coloring == 2u {
         albedo = paint.rgb + (1.0 - paint.a) * in.color;
     }
     if frame.coloring == 1u {
         let level = clamp((in.scalar - frame.color_low) * frame.color_scale, 0.0, 1.0);
         albedo = textureLoad(colormap, vec2i(i32(level * 255.0 + 0.5), 0), 0).rgb;
-        gloss = 0.35;
+        // A highlight would be a colour that is not on the scale.
+        gloss = 0.12;
+        highlight = 0.0;
     }
 
     let place = shadow_place(in.world, normal);
@@ -79,7 +82,7 @@ fn lit(in: Varying, front: bool, paint: vec4f) -> vec4f {
     let aligned_16 = aligned_8 * aligned_8;
     let aligned_32 = aligned_16 * aligned_16;
     let aligned_64 = aligned_32 * aligned_32;
-    let specular = (0.9 * aligned_64 * aligned_64 + 0.10 * aligned_16) * seen;
+    let specular = (0.9 * aligned_64 * aligned_64 + 0.10 * aligned_16) * seen * highlight;
     // A rim of light, and the bright sky mirrored at grazing angles (Schlick's approximation).
     let grazing = 1.0 - max(dot(normal, to_eye), 0.0);
     let grazing_2 = grazing * grazing;
