@@ -244,6 +244,8 @@ fn misfit(error: &ron::Error, text: &str, [line, column]: [usize; 2]) -> Option<
         | E::ExpectedBoolean => true,
         // What follows the point of a number that must be whole.
         E::ExpectedComma => matches!(param.kind, Kind::Integer { .. }) && found.contains('.'),
+        // A word in quotes.
+        E::ExpectedIdentifier => matches!(param.kind, Kind::Word(_)),
         _ => false,
     };
     let allowed = super::path::allowed(param, &path);
@@ -352,9 +354,9 @@ mod tests {
         let kind = refusal("(version: 1,\n settings: (dt: \"slow\"))");
         assert!(kind.starts_with("a.ron:2:"), "{kind}");
         for (text, words) in [
-            ("(version: 1, settings: (1))", "a name is expected here"),
+            ("(version: 1, settings: (1))", "a name without quotes is expected here"),
             ("(version: 1, bodies: [(name: 3)])", "a text in quotes is expected"),
-            ("(version: 1, bodies: [(shape: 5)])", "a name is expected here"),
+            ("(version: 1, bodies: [(shape: 5)])", "a name without quotes is expected here"),
             ("(version: 1, bodies: [", "an opening ( is expected"),
             ("(version: 1, bodies: [(name: \"a\"", "is expected here"),
             ("(version: 1, bodies: {})", "an opening [ of a list"),
@@ -373,6 +375,13 @@ mod tests {
             let said = format!(": {body} = {cells} does not fit; allowed: a whole number, 1 … 199");
             assert!(message.starts_with("a.ron:2:") && message.ends_with(&said), "{message}");
         }
+        let quoted = refusal("(version: 1, settings: (integrator: \"rk4\"))");
+        assert!(quoted.contains("settings.integrator = \"rk4\" does not fit; allowed: "), "{quoted}");
+        assert!(quoted.contains("rk4,") || quoted.ends_with("rk4"), "the word itself is right: {quoted}");
+        let bare = refusal("(version: 1, obstacles: [plane(half_extents: (5, 5))])");
+        assert!(bare.ends_with("an opening ( is expected here, before plane"), "{bare}");
+        let two = refusal("(version: 1, bodies: [(velocity: (1, 2))])");
+        assert!(two.ends_with("3 values in ( ) are expected here, not 2"), "{two}");
         let no_comma = refusal("(version: 1, bodies: [(shape: cube(cells: 4 size: 1.0))])");
         assert!(no_comma.ends_with("a comma is expected here"), "{no_comma}");
         let form = refusal("(version: 1, obstacles: [(name: \"a\")])");

@@ -93,7 +93,7 @@ pub enum ResolveError {
         particles: usize,
     },
     /// An obstacle too long or too short to simulate.
-    #[error("{model}: the obstacle would be {length_m:e} m long; set its length to something from 1e-4 to 1e4 m")]
+    #[error("{model}: the obstacle would be {length_m:e} m long; set its length to something from 0.0001 to 1000 m")]
     MeshLength {
         /// The model's path.
         model: String,
@@ -101,7 +101,7 @@ pub enum ResolveError {
         length_m: f64,
     },
     /// Too long or too short to simulate.
-    #[error("{model}: the body would be {length_m:e} m long; set its length to something from 1e-4 to 1e4 m")]
+    #[error("{model}: the body would be {length_m:e} m long; set its length to something from 0.0001 to 1000 m")]
     Length {
         /// The model's path.
         model: String,

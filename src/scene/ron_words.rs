@@ -17,10 +17,13 @@ pub(super) fn words(error: &Error) -> String {
                 }
                 _ => String::new(),
             };
-            format!("a name is expected here{found}: a field such as `dt:`, or a form such as `cube(…)`")
+            format!("a name without quotes is expected here{found}: a field such as `dt:`, or a form such as `cube(…)`")
         }
         Error::ExpectedStructLike | Error::ExpectedNamedStructLike(_) | Error::ExpectedStructName(_) => {
             "an opening ( is expected here".to_owned()
+        }
+        Error::ExpectedDifferentStructName { found, .. } => {
+            format!("an opening ( is expected here, before {}", echo(found))
         }
         Error::ExpectedStructLikeEnd | Error::ExpectedOptionEnd => "a closing ) is expected here".to_owned(),
         Error::ExpectedArray => "an opening [ of a list is expected here".to_owned(),
@@ -45,9 +48,10 @@ pub(super) fn words(error: &Error) -> String {
         Error::InvalidValueForType { expected, found } => {
             format!("{} is expected here, not {}", echo(expected), echo(found))
         }
-        Error::ExpectedDifferentLength { expected, found } => {
-            format!("{} is expected here, not {found} of them", echo(expected))
-        }
+        Error::ExpectedDifferentLength { expected, found } => match expected.strip_prefix("an array of length ") {
+            Some(count) => format!("{} values in ( ) are expected here, not {found}", echo(count)),
+            None => format!("{} is expected here, not {found} of them", echo(expected)),
+        },
         Error::NoSuchStructField { expected, found, .. } => {
             format!("there is no field `{}` here; there {}", echo(found), choices(expected))
         }
