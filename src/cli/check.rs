@@ -62,7 +62,7 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
     };
     out::figures(&format!(
         "{}: sound\n{}, {}, {} kg, about {} of memory\nlargest safe step {}\n\
-         {} in 1/60 s, limited by {}\nabout {} × real time on this machine with nothing drawn",
+         {} in 1/60 s, limited by {}\n{}",
         session.title(),
         counted(prediction.particles, "particle", "particles"),
         counted(prediction.links, "link", "links"),
@@ -71,7 +71,10 @@ fn report(args: &CheckArgs, session: &Session) -> Result<(), Failure> {
         limit(prediction.dt_safe_secs),
         counted(prediction.substeps_per_frame, "substep", "substeps"),
         prediction.limited_by_words,
-        three_digits(prediction.predicted_real_time_factor),
+        prediction.predicted_real_time_factor.map_or_else(
+            || "it explodes".to_owned(),
+            |factor| format!("about {} × real time on this machine with nothing drawn", three_digits(factor)),
+        ),
     ))?;
     if prediction.mesh_points > 0 {
         out::figures(&format!(

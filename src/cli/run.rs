@@ -55,7 +55,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), Failure> {
         session.handle(Command::OpenState { path: path.clone() })?;
     }
     if args.seconds > 0.0
-        && let Some(warning) = slow_run_warning(speed_alone(session.simulation()))
+        && let Some(warning) = speed_alone(session.simulation()).and_then(slow_run_warning)
     {
         out::note(&format!("warning: {warning}"));
     }

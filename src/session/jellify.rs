@@ -252,7 +252,7 @@ fn preview(jelly: &Jelly, size_m: [f64; 3], session: &Session) -> Preview {
         size_m,
         dt_safe_secs: status.dt_safe_secs,
         dt_limited_by: status.dt_limited_by,
-        speed_alone: prediction.predicted_real_time_factor,
+        speed_alone: prediction.predicted_real_time_factor.unwrap_or(0.0),
         warnings: jelly.warnings.clone(),
     }
 }

@@ -7,10 +7,11 @@ use serde::Serialize;
 
 use super::Session;
 use super::modal::ModesFigures;
+use super::step_words::step_text;
 use crate::math::FRAME_SECS;
 use crate::physics::MOST_WORK_A_FRAME;
-use crate::physics::{Scheme, SchemeCost, Simulation, Term};
-use crate::scene::settings::Integrator;
+use crate::physics::{Plan, Scheme, SchemeCost, Simulation, Term};
+use crate::scene::settings::{Integrator, Settings, Stepping};
 
 /// Simulated time that is measured, s: long enough for a body to land on something, as a body in free fall costs the
 /// implicit integrator a third of a squashed one.
@@ -53,7 +54,8 @@ pub struct Prediction {
     /// The parts of a substep in which points of bodies come near each other or an obstacle, where these are more than one and
     /// the bodies are not strained, and where they are.
     pub parts_in_contact: Option<[u32; 2]>,
-    pub predicted_real_time_factor: f64,
+    /// None where the copy that was measured exploded.
+    pub predicted_real_time_factor: Option<f64>,
 }
 
 /// The step limit of one term.
@@ -91,11 +93,17 @@ impl Prediction {
         let of_a_frame = libm::round(plan.most_work as f64 * FRAME_SECS / plan.substep_secs()) as u64;
         let most = (plan.scheme == Scheme::Implicit && plan.halvings > 0).then_some(of_a_frame);
         let first = (slowed > 0).then(|| slowed_words(slowed, MEASURED_SECS));
+        let unstable = unstable_words(&session.scene().settings, plan, factor.is_none());
         let limited_by = plan.limits_at_work().limited_by(plan.dt_secs);
         Self {
             ok: true,
             errors: [],
-            warnings: slow_run_warning(factor).into_iter().chain(first).chain(session.warnings()).collect(),
+            warnings: unstable
+                .into_iter()
+                .chain(factor.and_then(slow_run_warning))
+                .chain(first)
+                .chain(session.warnings())
+                .collect(),
             scene: session.title().to_owned(),
             particles: simulation.model().particle_count(),
             links: simulation.model().link_counts().iter().sum(),
@@ -120,6 +128,20 @@ impl Prediction {
 
 fn candidate(&SchemeCost { scheme, substep_secs, cost_per_sec }: &SchemeCost) -> CandidateFigures {
     CandidateFigures { integrator: Integrator::from(scheme).name(), substep_secs, cost_per_sec }
+}
+
+/// Returns the warning about steps that are longer than what is stable, or that led to an explosion on a copy.
+fn unstable_words(settings: &Settings, plan: &Plan, has_exploded: bool) -> Option<String> {
+    let limit = plan.limits_at_work().dt_limit_secs.filter(|limit| *limit > 0.0 && settings.dt > *limit);
+    match limit.filter(|_| settings.stepping == Stepping::Manual) {
+        Some(limit) => Some(format!(
+            "steps of {} are longer than the largest stable one, {}, and manual stepping does not divide them: {}",
+            step_text(settings.dt),
+            step_text(limit),
+            if has_exploded { "the motion explodes" } else { "the motion may explode" },
+        )),
+        None => has_exploded.then(|| format!("the motion explodes in the first {MEASURED_SECS} s")),
+    }
 }
 
 /// Returns the warning before a run that is too slow to wait for.
@@ -147,14 +169,14 @@ pub fn slowed_words(substeps: u64, seconds: f64) -> String {
 
 /// The measurement on a copy.
 struct MeasuredSpeed {
-    /// Simulated seconds in a second of processor time.
-    factor: f64,
+    /// Simulated seconds in a second of processor time; none where it exploded.
+    factor: Option<f64>,
     /// Substeps that reached the limit of their work.
     slowed: u64,
 }
 
-/// Simulated seconds in a second of processor time, measured on a copy.
-pub fn speed_alone(simulation: &Simulation<f32>) -> f64 {
+/// Simulated seconds in a second of processor time, measured on a copy; none where that explodes.
+pub fn speed_alone(simulation: &Simulation<f32>) -> Option<f64> {
     measure_speed(simulation).factor
 }
 
@@ -173,6 +195,7 @@ fn measure_speed(simulation: &Simulation<f32>) -> MeasuredSpeed {
         }
     }
     let factor = (copy.state().time_secs - start_secs) / begin.elapsed().as_secs_f64().max(1e-9);
+    let factor = (!copy.has_diverged()).then_some(factor);
     MeasuredSpeed { factor, slowed }
 }
 
@@ -192,6 +215,22 @@ mod tests {
     fn prediction(material: Material) -> Prediction {
         let scene = Scene { bodies: vec![Body { material, ..Body::default() }], ..Scene::default() };
         Prediction::of(&Session::new(scene, PathBuf::new(), String::new()).expect("a cube resolves"))
+    }
+
+    #[test]
+    fn a_step_that_is_too_long_is_said_before_it_explodes() {
+        let mut scene = (crate::scene::presets::preset("exploding").expect("a preset").build)();
+        let of = |scene: &Scene| {
+            Prediction::of(&Session::new(scene.clone(), PathBuf::new(), String::new()).expect("a sound scene"))
+        };
+        let found = of(&scene);
+        assert_eq!(found.predicted_real_time_factor, None, "no speed is known of what explodes");
+        let words = "manual stepping does not divide them: the motion explodes";
+        assert!(found.warnings[0].ends_with(words), "{:?}", found.warnings);
+        scene.settings.stepping = Stepping::Auto;
+        let divided = of(&scene);
+        let is_said = divided.warnings.iter().any(|warning| warning.contains("explode"));
+        assert!(!is_said && divided.predicted_real_time_factor > Some(0.0), "{divided:?}");
     }
 
     #[test]

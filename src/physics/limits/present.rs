@@ -105,6 +105,7 @@ pub(in crate::physics) fn load<R: Real>(
 
 /// Adds what the links of a family resist to the sums at their ends.
 #[inline(always)]
+#[expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 fn add_links<R: Real>(body: &BodyModel<R>, family: &LinkFamily<R>, position: &[R::Vec3], sums: &mut [Sums<R>]) {
     let identity = IDENTITY.map(R::from_f64);
     let mobility = |particle: usize| if body.is_pinned(particle) { R::ZERO } else { body.inverse_mass(particle) };
