@@ -20,7 +20,7 @@ pub(super) fn newton() -> Scene {
     let mut bodies: Vec<Body> = (0..5).map(cube).collect();
     bodies[0].pose.position[0] = -1.8;
     bodies[0].velocity = [3.0, 0.0, 0.0];
-    let mut scene = turned(15.0, 16.0, looking_at([1.0, 0.2, 0.0], 6.4, scene(Body::default(), Vec::new())));
+    let mut scene = turned(15.0, 16.0, looking_at([0.5, 0.2, 0.0], 7.2, scene(Body::default(), Vec::new())));
     scene.bodies = bodies;
     let ice = &mut scene.obstacles[0];
     (ice.friction_static, ice.friction_dynamic) = (0.0, 0.0);
