@@ -17,7 +17,7 @@ use crate::physics::{Arrival, BodyMotion};
 use crate::scene::cell_brush::{middle_shift, own_cells};
 use crate::scene::edit::{Applied, BodyId, Edit, EditError, Impact, ObstacleId, body_impact};
 use crate::scene::param::Problem;
-use crate::scene::resolve::{Jelly, MeshError, load_meshes};
+use crate::scene::resolve::{Jelly, load_meshes};
 use crate::scene::{Body, MovesBy, Obstacle, ObstacleShape, Pose, Scene, Shape, named};
 
 /// The progress of a change once its bodies are made, and once they are compiled for simulation.
@@ -40,19 +40,28 @@ impl Session {
     /// Adds a mesh that stands where a cube of its length would: how high it is is known once its file is read.
     pub(super) fn add_mesh(&mut self, obstacle: Obstacle) -> Result<(), SessionError> {
         let place = self.scene.obstacles.len();
-        let mut read = Scene { obstacles: vec![obstacle], models: self.scene.models.clone(), ..Scene::default() };
-        let progress = self.progress.clone();
-        let watch: &dyn Watch = progress.as_ref().map_or(&(), |progress| &**progress);
-        let outcome = load_meshes(&mut read, self.shape_cache.base_dir(), watch);
-        if watch.cancelled() {
-            return Err(SessionError::ChangeStopped);
-        }
-        outcome.map_err(|error| SessionError::from(MeshError { obstacle: place, ..error }))?;
-        let mut obstacle = read.obstacles.remove(0);
+        let mut scene = Scene::clone(&self.scene);
+        scene.obstacles.push(obstacle);
+        self.read_meshes(&mut scene)?;
+        let mut obstacle = scene.obstacles.remove(place);
         if let ObstacleShape::Mesh(mesh) = &mut obstacle.shape {
             mesh.center[1] += mesh.half_extents().y - 0.5 * mesh.length;
         }
         self.edit(Edit::InsertObstacle(ObstacleId(place), Box::new(obstacle)), Arrival::Placed)
+    }
+
+    /// Reads the models of a scene's obstacles that have not been read; what another obstacle has read is shared.
+    fn read_meshes(&self, scene: &mut Scene) -> Result<(), SessionError> {
+        let is_read = |mesh: &ObstacleShape| !matches!(mesh, ObstacleShape::Mesh(mesh) if mesh.surface().is_none());
+        if scene.obstacles.iter().all(|obstacle| is_read(&obstacle.shape)) {
+            return Ok(());
+        }
+        let watch: &dyn Watch = self.progress.as_ref().map_or(&(), |progress| &**progress);
+        let read = load_meshes(scene, self.shape_cache.base_dir(), watch);
+        if watch.cancelled() {
+            return Err(SessionError::ChangeStopped);
+        }
+        Ok(read?)
     }
 
     /// Puts the middle of a body somewhere.
@@ -191,16 +200,7 @@ impl Session {
         let edited_body = if let Edit::Body(id, _) = &edit { Some(id.0) } else { None };
         let mut scene = Scene::clone(&self.scene);
         let applied = scene.apply(edit).map_err(|error| self.error_in_words(error))?;
-        let progress = self.progress.clone();
-        let watch: &dyn Watch = progress.as_ref().map_or(&(), |progress| &**progress);
-        let is_read = |mesh: &ObstacleShape| !matches!(mesh, ObstacleShape::Mesh(mesh) if mesh.surface().is_none());
-        if !scene.obstacles.iter().all(|obstacle| is_read(&obstacle.shape)) {
-            let read = load_meshes(&mut scene, self.shape_cache.base_dir(), watch);
-            if watch.cancelled() {
-                return Err(SessionError::ChangeStopped);
-            }
-            read?;
-        }
+        self.read_meshes(&mut scene)?;
         let scene = Arc::new(scene);
         match applied.impact {
             Impact::Topology => self.rebuild(&scene, &old_body_indices)?,

@@ -114,6 +114,7 @@ fn a_mesh_that_is_added_stands_where_a_cube_would() {
     assert!(half.y < 0.6 * half.x, "a pyramid half as high as wide: {half}");
     let (cubes_bottom, bottom) = (1.0 - 0.5 * Mesh::default().length, center[1] - half.y);
     assert!((bottom - cubes_bottom).abs() < 1e-12, "its bottom is at {bottom} m, not {cubes_bottom} m");
+    assert!(std::sync::Arc::ptr_eq(&surface_of(&session, 0), &surface_of(&session, 1)), "the same file is one surface");
     session.handle(Command::Undo).expect("it can go");
     assert_eq!(session.scene().to_ron().expect("a text"), before, "byte for byte");
     let refused = session.handle(added("gone.obj")).expect_err("there is no such file").to_string();
