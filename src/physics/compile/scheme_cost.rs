@@ -31,6 +31,9 @@ const LISTED_LINK_COST: f64 = 2.5;
 /// A particle in a substep, without its links: contact, integration, the way into the box and back.
 const PARTICLE_COST: f64 = 25.0;
 
+/// A particle of the surface where bodies or edges of obstacles may be near: what it meets is looked for in every substep.
+const SEARCH_PARTICLE_COST: f64 = 100.0;
+
 /// A link in one iteration of the solver, in double precision and from the list.
 const ITERATION_LINK_COST: f64 = 2.4;
 
@@ -71,10 +74,11 @@ pub(super) fn of<R: Real>(
     SchemeCost { scheme, substep_secs, cost_per_sec: substep / substep_secs }
 }
 
-/// How many evaluations of all forces cost as much as a solve of the implicit scheme, in substeps of `secs` (s), in which
-/// bodies touch each other.
+/// How many explicit substeps cost as much as one of the implicit scheme of `secs` (s), where bodies touch each other.
 pub(super) fn parts_a_solve<R: Real>(model: &Model<R>, semi_implicit: &SceneLimits, secs: f64) -> f64 {
-    ROUNDS_AMONG_BODIES * solve_cost(model, condition_number(semi_implicit, secs)) / evaluation_cost(model)
+    let search = model.bodies.iter().map(|body| SEARCH_PARTICLE_COST * body.lattice.surface as f64).sum::<f64>();
+    let solve = ROUNDS_AMONG_BODIES * solve_cost(model, condition_number(semi_implicit, secs));
+    (solve + search) / (evaluation_cost(model) + search)
 }
 
 impl SchemeCost {

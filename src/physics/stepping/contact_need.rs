@@ -15,8 +15,8 @@ pub(super) struct ContactNeed {
     pub(super) plan: Option<BodyContactPlan>,
     /// Into how many parts it is divided at least.
     pub(super) parts: u32,
-    /// How often the implicit scheme halves it, where it solves for contact, so that no body travels past another.
-    pub(super) halvings: u32,
+    /// How often the implicit scheme would halve it so that no body travels past another.
+    halvings: u32,
     /// Whether bodies come near each other or themselves.
     pub(super) bodies_are_near: bool,
     /// Whether points of a mesh come near an obstacle, or an obstacle's edges near a body.
@@ -54,13 +54,27 @@ impl ContactNeed {
     /// That of a substep in contact that `plan` divides, in which bodies travel past each other so far that it takes `by_travel`
     /// parts; none divides it where nothing is near.
     fn decided(plan: Option<BodyContactPlan>, by_travel: u32) -> Self {
-        let undivided = Self { plan: None, parts: 1, halvings: 0, bodies_are_near: false, points_are_near: false };
-        let Some(contact_plan) = plan else { return undivided };
-        let parts = contact_plan.parts.max(by_travel);
-        let halvings = by_travel.next_power_of_two().trailing_zeros();
-        let is_solved_for =
-            contact_plan.parts_a_solve.is_some_and(|a_solve| a_solve * f64::from(1 << halvings) < f64::from(parts));
-        if is_solved_for { Self { halvings, ..undivided } } else { Self { plan, parts, ..undivided } }
+        let parts = plan.map_or(1, |plan| plan.parts.max(by_travel));
+        let halvings = plan.map_or(0, |_| by_travel.next_power_of_two().trailing_zeros());
+        Self { plan, parts, halvings, bodies_are_near: false, points_are_near: false }.with_parts(1)
+    }
+
+    /// The same where strained bodies need at least so many parts, too. The implicit scheme solves for the contact where its
+    /// halves cost less than the parts.
+    #[must_use]
+    pub(super) fn with_parts(self, parts: u32) -> Self {
+        let parts = self.parts.max(parts);
+        match self.plan.and_then(|plan| plan.parts_a_solve) {
+            Some(a_solve) if a_solve * f64::from(1 << self.halvings) < f64::from(parts) => {
+                Self { plan: None, parts: 1, ..self }
+            }
+            _ => Self { parts, ..self },
+        }
+    }
+
+    /// How often the implicit scheme halves the substep, where it solves for the contact, so that no body travels past another.
+    pub(super) fn halvings(&self) -> u32 {
+        if self.plan.is_none() { self.halvings } else { 0 }
     }
 }
 
@@ -86,7 +100,12 @@ mod tests {
             (plan(100, Some(99.0)), 1, (1, 0, false)),
         ] {
             let need = ContactNeed::decided(plan, by_travel);
-            assert_eq!((need.parts, need.halvings, need.plan.is_some()), wanted, "{plan:?}, {by_travel} by travel");
+            assert_eq!((need.parts, need.halvings(), need.plan.is_some()), wanted, "{plan:?}, {by_travel} by travel");
         }
+        // Strained bodies need twice as many parts, which may be more than the halves cost.
+        let of_strained = |a_solve| ContactNeed::decided(plan(100, Some(a_solve)), 5).with_parts(200);
+        let decision = |need: ContactNeed| (need.parts, need.halvings(), need.plan.is_some());
+        assert_eq!([24.9, 25.1].map(|a_solve| decision(of_strained(a_solve))), [(1, 3, false), (200, 0, true)]);
+        assert_eq!(decision(ContactNeed::decided(None, 1).with_parts(4)), (4, 0, false), "strain alone");
     }
 }

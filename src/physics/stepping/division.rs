@@ -53,15 +53,16 @@ impl Division {
             speeds.measure(model, plan, state);
         }
         let need = ContactNeed::of(model, plan, state, (obstacles, hand_pulls), speeds, &mut contact.bodies);
-        state.halvings = state.halvings.max(need.halvings);
-        let scheme = need.plan.map_or(plan.scheme, |contact_plan| contact_plan.scheme);
+        let scheme = |need: ContactNeed| need.plan.map_or(plan.scheme, |contact_plan| contact_plan.scheme);
         let strained_parts = need
             .plan
             .filter(|_| plan.is_divided())
             .map_or([1, plan.parts], |contact_plan| [contact_plan.parts, contact_plan.strained_parts]);
-        let strain_policy = StrainPolicy::new(scheme, strained_parts, plan);
+        let strain_policy = StrainPolicy::new(scheme(need), strained_parts, plan);
         let by_strain = strain::parts_before_substep(model, plan, strain_policy, &speeds.relative, state, forces);
-        let parts = by_strain.max(need.parts);
+        let need = need.with_parts(by_strain);
+        state.halvings = state.halvings.max(need.halvings());
+        let (parts, scheme) = (need.parts, scheme(need));
         Self {
             parts,
             left: parts,

@@ -1,6 +1,6 @@
 //! Push and pull against inversion in the equations of the implicit integrator, and their part in its energy balance.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use crate::math::{Real, Vector};
 use crate::physics::forces::recovery::edges::{MeanEdges, Strength, mean_edges};
@@ -38,6 +38,19 @@ impl Resistance {
             let pull = self.pull * 3.0 / 16.0;
             visit(corner as usize, self.stiffness * self.gradient(place).length_squared() / 3.0 + pull);
         }
+    }
+
+    /// The particles of the cell, by their local numbers.
+    pub(in crate::physics) fn corners(&self) -> [u32; 8] {
+        self.corners
+    }
+
+    /// The block between two of these corners, N/m: what [`Self::add_product`] makes of the way of the second at the first.
+    pub(in crate::physics) fn block(&self, [one, other]: [usize; 2]) -> DMat3 {
+        let [of_one, of_other] = [one, other].map(|place| self.gradient(place) * self.stiffness.sqrt());
+        let along = DMat3::from_cols(of_one * of_other.x, of_one * of_other.y, of_one * of_other.z);
+        let alike: f64 = (0..3).map(|axis| if (one ^ other) >> axis & 1 == 0 { 1.0 / 16.0 } else { -1.0 / 16.0 }).sum();
+        along + DMat3::from_diagonal(DVec3::splat(self.pull * alike))
     }
 
     fn gradient(&self, place: usize) -> DVec3 {

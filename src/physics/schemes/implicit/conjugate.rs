@@ -8,6 +8,7 @@ use super::vectors::{add_scaled, dot, scale_and_add};
 use crate::math::Real;
 use crate::physics::contact::ParticleConstraint;
 use crate::physics::model::Values;
+use crate::physics::step::substep::Substep;
 
 /// The most iterations of one solve: some twenty times what a stiff body takes.
 const MAX_ITERATIONS: u64 = 400;
@@ -31,6 +32,7 @@ pub(super) enum Accuracy {
 /// The result of a solve.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solve {
+    /// Iterations, and as many more as a factor of the matrix took the time of.
     pub(super) iterations: u64,
     /// Whether the solution is as accurate as a full one.
     pub(super) is_full: bool,
@@ -100,10 +102,12 @@ impl<R: Real> System<'_, R> {
     }
 
     /// Runs conjugate gradients with the constraints as they are, until the accuracy is reached or it `stops`.
-    pub(super) fn iterate(&mut self, accuracy: Accuracy, stops: &dyn Fn() -> bool) -> Solve {
+    pub(super) fn iterate(&mut self, accuracy: Accuracy, substep: Substep<'_, R>, stops: &dyn Fn() -> bool) -> Solve {
         let level = self.level;
         self.find_residual(true);
-        self.precondition();
+        if !self.workspace.direct.is_used {
+            self.precondition();
+        }
         for (_, own) in self.ranges() {
             let ImplicitWorkspace { before, velocity, residual_before, residual, .. } = &mut *self.workspace;
             before[own.clone()].copy_from_slice(&velocity[own.clone()]);
@@ -123,7 +127,7 @@ impl<R: Real> System<'_, R> {
             let ImplicitWorkspace { search, scaled, .. } = &mut *self.workspace;
             search[own.clone()].copy_from_slice(&scaled[own]);
         }
-        let mut iterations = 0;
+        let (mut iterations, mut factor_cost) = (0, None);
         while iterations < MAX_ITERATIONS && !self.is_solved(|equations| equations.goal) {
             if stops() {
                 break;
@@ -142,18 +146,23 @@ impl<R: Real> System<'_, R> {
                 add_scaled(level, length, &search[own.clone()], &mut velocity[own.clone()]);
                 add_scaled(level, -length, &product[own.clone()], &mut residual[own]);
             }
+            iterations += 1;
+            let begins_anew = factor_cost.is_none() && self.factor_pays(substep, iterations);
+            if begins_anew {
+                factor_cost = Some(self.factorise(substep));
+            }
             self.scale_residual();
             self.add_coarse_correction();
             let smaller = self.dot_with_residual();
-            let keep = smaller / size;
+            let keep = if begins_anew { 0.0 } else { smaller / size };
             for (_, own) in self.ranges() {
                 let ImplicitWorkspace { search, scaled, .. } = &mut *self.workspace;
                 scale_and_add(level, keep, &scaled[own.clone()], &mut search[own]);
             }
             size = smaller;
-            iterations += 1;
         }
-        Solve { iterations, is_full: self.is_solved(|equations| equations.squared_tolerance) }
+        let is_full = self.is_solved(|equations| equations.squared_tolerance);
+        Solve { iterations: iterations + factor_cost.unwrap_or(0), is_full }
     }
 
     /// Whether the residual of every body is down to its goal.

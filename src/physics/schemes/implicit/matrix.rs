@@ -119,7 +119,7 @@ impl<R: Real> System<'_, R> {
 }
 
 /// The resistance of a hand's pull at a body in a step of `dt` (s), kg.
-fn grab_resistance<R: Real>(grab: &Grab<R>, body: &BodyModel<R>, dt: f64) -> f64 {
+pub(super) fn grab_resistance<R: Real>(grab: &Grab<R>, body: &BodyModel<R>, dt: f64) -> f64 {
     dt * resistance([grab.stiffness, grab.damping(body)].map(Real::to_f64), dt)
 }
 

@@ -17,13 +17,15 @@
 //! conjugate gradients in double precision, whatever precision the state has: a particle held by friction is a million times
 //! stiffer than a free one. The preconditioner ([`preconditioner`]) is the diagonal, a rough solution for contacts of points
 //! ([`points`]), for bodies that touch their rigid motions ([`rigid`]), and for a stiff body coarser grids as well
-//! ([`multigrid`]). Sums are in a fixed order, body by body: the result is a function of the state alone.
+//! ([`multigrid`]); where all of this does not suffice, a factor of the whole matrix ([`direct`]). Sums are in a fixed order, body by body: the result is a function of the state alone.
 
 #![expect(clippy::inline_always, reason = "what is not inlined is compiled for the narrowest level alone")]
 
 pub(in crate::physics) mod arcs;
 pub(in crate::physics) mod balance;
 mod conjugate;
+mod direct;
+mod envelope;
 mod islands;
 mod line_search;
 mod matrix;
@@ -37,6 +39,7 @@ mod vectors;
 use glam::{DMat3, DVec3};
 
 use self::conjugate::Accuracy;
+use self::direct::DirectSolver;
 use self::multigrid::Multigrid;
 use self::points::BYTES_A_BLOCK;
 use self::system::{BodyEquations, ImplicitWorkspace, LinkBlock, System};
@@ -84,7 +87,8 @@ pub(in crate::physics) fn bytes(bodies: &[LatticeCounts]) -> usize {
     };
     // Vectors that links in double precision are evaluated from have room for the largest body.
     let largest = bodies.iter().map(|body| body.particles * 2 * size_of::<DVec3>()).max().unwrap_or(0);
-    bodies.iter().map(of_body).sum::<usize>() + largest
+    let solved_directly = DirectSolver::bytes(bodies.iter().map(|body| body.particles).sum());
+    bodies.iter().map(of_body).sum::<usize>() + largest + solved_directly
 }
 
 /// Writes the velocities at the end of the substep.
@@ -143,6 +147,7 @@ impl<R: Real> System<'_, R> {
         if recorder.has_stopped() {
             return;
         }
+        self.workspace.direct.clear();
         self.start();
         let links: usize = self.bodies.iter().map(|body| self.model.bodies[*body].link_count()).sum();
         let mut is_rough = !self.is_untouched();
@@ -153,7 +158,7 @@ impl<R: Real> System<'_, R> {
                 _ if round + CAREFUL_ROUNDS <= MAX_ROUNDS => Accuracy::Share(FINE_SHARE),
                 _ => Accuracy::Full,
             };
-            let solve = self.iterate(accuracy, &|| recorder.stops());
+            let solve = self.iterate(accuracy, substep, &|| recorder.stops());
             recorder.counters.solves += 1;
             recorder.counters.iterations += solve.iterations;
             recorder.counters.iterated_links += solve.iterations * links as u64;

@@ -7,7 +7,8 @@
 //! rigid          the motions of bodies that touch each other as rigid ones
 //! ```
 //!
-//! Each of them is symmetric, and so is their sum; the first is positive definite, the others are not negative.
+//! Each of them is symmetric, and so is their sum; the first is positive definite, the others are not negative. Where these do
+//! not suffice, a factor of the matrix takes the place of all ([`super::direct`]).
 
 use glam::{DMat3, DVec3};
 
@@ -67,11 +68,16 @@ impl<R: Real> System<'_, R> {
     /// without constraints for each body: over the diagonal with them, held particles would hardly count.
     pub(super) fn scale_residual(&mut self) {
         let ranges = self.ranges();
-        let ImplicitWorkspace { bodies, residual, scaled, inverse_diagonal, inverse_blocks, point_blocks, .. } =
-            &mut *self.workspace;
+        let ImplicitWorkspace {
+            bodies, residual, scaled, inverse_diagonal, inverse_blocks, point_blocks, direct, ..
+        } = &mut *self.workspace;
         for (number, own) in ranges {
             let [residual, inverse] = [&*residual, inverse_diagonal].map(|of| &of[own.clone()]);
             bodies[number].squared_residual = scale(self.level, residual, inverse, &mut scaled[own]);
+        }
+        if direct.is_used {
+            direct.precondition(self.level, residual, scaled);
+            return;
         }
         for (particle, block) in &*inverse_blocks {
             scaled[*particle] = *block * residual[*particle];
@@ -81,6 +87,9 @@ impl<R: Real> System<'_, R> {
 
     /// Adds the corrections of the coarse grids and of the rigid motions for the residual.
     pub(super) fn add_coarse_correction(&mut self) {
+        if self.workspace.direct.is_used {
+            return;
+        }
         for (number, own) in self.ranges() {
             let ImplicitWorkspace { bodies, scaled, residual, .. } = &mut *self.workspace;
             let BodyEquations { grids, uses_grids, .. } = &mut bodies[number];

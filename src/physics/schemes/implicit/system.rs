@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
+use super::direct::DirectSolver;
 use super::islands::Islands;
 use super::multigrid::Multigrid;
 use super::points::PointBlocks;
@@ -87,6 +88,8 @@ pub(in crate::physics::schemes) struct ImplicitWorkspace<R: Real> {
     pub(super) point_blocks: PointBlocks,
     /// The bodies as rigid ones.
     pub(super) rigid: RigidMotions,
+    /// The direct solver, for bodies that all this does not suffice for.
+    pub(super) direct: DirectSolver,
     pub(super) right_hand_side: Vec<DVec3>,
     pub(super) velocity: Vec<DVec3>,
     pub(super) residual: Vec<DVec3>,
@@ -113,6 +116,7 @@ impl<R: Real> ImplicitWorkspace<R> {
             inverse_blocks: Vec::with_capacity(surface),
             point_blocks: PointBlocks::default(),
             rigid: RigidMotions::default(),
+            direct: DirectSolver::default(),
             right_hand_side: vectors(),
             velocity: vectors(),
             residual: vectors(),
