@@ -139,7 +139,10 @@ impl ContactConstraint {
     /// Sets up a constraint for the first solve, for a point that has `velocity` and would have `free_velocity`. A constraint
     /// that pushes only at `free_velocity` has no friction yet: how hard it will push is not known.
     pub(super) fn new(law: ConstraintLaw, velocity: DVec3, free_velocity: DVec3) -> Self {
-        let ConstraintLaw { normal, surface_velocity, resistance, impulse_at_rest, parting, .. } = law;
+        let ConstraintLaw { surface_velocity, resistance, impulse_at_rest, parting, .. } = law;
+        // One of single precision is not of unit length here, so that a sliding velocity would have a part along it: little, but
+        // as much as the sliding itself where a held point is hit hard.
+        let normal = law.normal.normalize();
         let mut new = Self {
             normal,
             surface_velocity,
@@ -299,5 +302,37 @@ impl ContactConstraint {
         self.linearize(sliding, if carefully { DVec3::ZERO } else { within });
         let is_held_otherwise = self.is_at_depth_limit != was_at_depth_limit || self.piece != piece_before;
         self.pushes != pushed || is_held_otherwise || self.pushes && !right
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_equations_have_the_lawful_impulse_where_they_are_set_up_however_the_normal_is_rounded() {
+        // Of single precision, and a little too long.
+        let normal = DVec3::new(0.25, 0.95, 0.187).normalize() * (1.0 + 1e-7);
+        let law = ConstraintLaw {
+            normal,
+            surface_velocity: DVec3::ZERO,
+            resistance: 800.0,
+            impulse_at_rest: 10.0,
+            parting: None,
+            min_normal_velocity: -1e3,
+            friction: [0.4; 2],
+            size: 50.0,
+        };
+        let along = normal.cross(DVec3::X).normalize();
+        let velocity = normal * -20.0 + along * 1e-3;
+        let mut held = ContactConstraint::new(law, normal * -15.0, velocity);
+        // The drag settles on Coulomb's law, which needs no other solution.
+        for _ in 0..4 {
+            held.relinearize(velocity, false);
+        }
+        let [lawful, of_equations] = [held.lawful_impulse(velocity), held.impulse(velocity)];
+        let off = (lawful - of_equations).length() / held.friction_limit();
+        assert!(off < 1e-3 * FRICTION_TOLERANCE, "{lawful} N·s, not {of_equations}: {off} of the limit");
+        assert!(!held.relinearize(velocity, false), "it is settled");
     }
 }
