@@ -128,8 +128,8 @@ pub struct Preview {
     pub dt_safe_secs: f64,
     /// What limits it, in plain words.
     pub dt_limited_by: String,
-    /// Simulated seconds per second of this machine's processor time, for the body alone on the ground.
-    pub speed_alone: f64,
+    /// Simulated seconds per second of this machine's processor time, for the body alone on the ground; none where it explodes.
+    pub speed_alone: Option<f64>,
     /// What a person should know, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -252,7 +252,7 @@ fn preview(jelly: &Jelly, size_m: [f64; 3], session: &Session) -> Preview {
         size_m,
         dt_safe_secs: status.dt_safe_secs,
         dt_limited_by: status.dt_limited_by,
-        speed_alone: prediction.predicted_real_time_factor.unwrap_or(0.0),
+        speed_alone: prediction.predicted_real_time_factor,
         warnings: jelly.warnings.clone(),
     }
 }
@@ -310,7 +310,7 @@ mod tests {
         let tent = tent(1.0);
         let preview = tent.preview.clone();
         assert!(preview.cells > 10 && preview.closed && preview.parts == 1, "{preview:?}");
-        assert!(preview.dt_safe_secs > 1e-6 && preview.speed_alone > 0.0, "{preview:?}");
+        assert!(preview.dt_safe_secs > 1e-6 && preview.speed_alone.is_some_and(|speed| speed > 0.0), "{preview:?}");
         let mut session = Session::new(presets::ground_only(), PathBuf::new(), String::new()).expect("a session");
         let command = tent.add_to(&Surroundings::new(session.scene(), []), Look::default());
         session.handle(command).expect("the folder is gone, but nobody reads it");

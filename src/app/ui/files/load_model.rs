@@ -229,7 +229,7 @@ fn rows(preview: &Preview, status: &Status) -> Vec<(&'static str, String)> {
         ("Memory", format!("about {}", bytes_text(preview.memory_bytes))),
         ("Box", format!("{x} × {y} × {z} m")),
         ("Safe step", safe),
-        ("Speed", speed_words(preview.speed_alone, status)),
+        ("Speed", preview.speed_alone.map_or_else(|| "it explodes".to_owned(), |alone| speed_words(alone, status))),
     ]
 }
 
