@@ -37,6 +37,7 @@ pub(super) fn run(args: &CollectArgs) -> Result<(), Failure> {
     let Opened { scene, base_dir, title, .. } = &opened;
     let is_file = is_scene_path(&args.output);
     let found = if is_file {
+        out::check_writable(&args.output)?;
         out::check_spares(&args.output, &opened.inputs())?;
         if !args.force && args.output.try_exists().unwrap_or(true) {
             let shown = echo_path(&args.output);

@@ -146,8 +146,26 @@ impl Changes {
         }
     }
 
+    /// Refuses a value that is set by an option of its own as well as by --set.
+    fn check_set_once(&self) -> Result<(), Failure> {
+        let Self { dt, integrator, stepping, .. } = self;
+        let options = [
+            ("--dt", "settings.dt", dt.is_some()),
+            ("--integrator", "settings.integrator", integrator.is_some()),
+            ("--stepping", "settings.stepping", stepping.is_some()),
+        ];
+        let is_set = |path: &str| self.set.iter().any(|one| one.split_once('=').is_some_and(|(name, _)| name == path));
+        match options.iter().find(|(_, path, is_given)| *is_given && is_set(path)) {
+            Some((name, path, _)) => {
+                Err(Failure::usage(anyhow!("{name} and --set {path} give the same value: leave one of them out")))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Sets the values on a scene.
     pub(super) fn apply(&self, scene: &mut Scene) -> Result<(), Failure> {
+        self.check_set_once()?;
         self.change_models(scene)?;
         scene.settings.dt = self.dt.unwrap_or(scene.settings.dt);
         let words = [("settings.integrator", &self.integrator), ("settings.stepping", &self.stepping)];

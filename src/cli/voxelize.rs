@@ -102,9 +102,21 @@ enum KeepWord {
     Largest,
 }
 
+/// Refuses a file whose name promises another format than the one that is written.
+fn check_names_obj(path: &Path) -> Result<(), Failure> {
+    match path.extension() {
+        Some(extension) if !extension.eq_ignore_ascii_case("obj") => {
+            let (shown, right) = (echo_path(path), echo_path(&path.with_extension("obj")));
+            Err(Failure::usage(anyhow!("{shown} would be an OBJ file; call it {right}")))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Fills the model and prints the report.
 pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     if let Some(path) = &args.output {
+        check_names_obj(path)?;
         out::check_writable(path)?;
         out::check_spares(path, &import::files_of(Path::new(&args.model)))?;
     }

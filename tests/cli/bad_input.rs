@@ -83,6 +83,8 @@ fn unknown_names_and_paths_are_refused_with_the_nearest() {
     let stiffness = "bodies.0.material.springs.structural.stiffness";
     refused(&folder, &format!("check cube-on-plane --set {stiffness}=-1"), USAGE, &[stiffness, "-1 N", "0 … 1e8 N"]);
     refused(&folder, "check cube-on-plane --set bodies.0.shape.model.divisions=5", USAGE, &["names no file"]);
+    let twice = "check cube-on-plane --dt 0.001 --set settings.dt=0.002";
+    refused(&folder, twice, USAGE, &["--dt and --set settings.dt give the same value"]);
     refused(&folder, "check cube-on-plane --dt -1", USAGE, &["settings.dt", "1e-6 … 0.1 s"]);
     refused(&folder, "check cube-on-plane --integrator rk5", USAGE, &["semi-implicit", "rk4", "implicit"]);
     refused(&folder, "check cube-on-plane --threads -2", USAGE, &["threads"]);
@@ -219,6 +221,8 @@ fn output_that_cannot_be_written_is_refused_first() {
     fs::create_dir(folder.path("out")).expect("a folder");
     refused(&folder, "voxelize flat.obj -o gone/cells.obj", FAILED, &["gone", "does not exist"]);
     refused(&folder, "voxelize flat.obj -o out", FAILED, &["is a folder"]);
+    refused(&folder, "voxelize flat.obj -o cells.stl", USAGE, &["cells.stl would be an OBJ file", "cells.obj"]);
+    refused(&folder, "collect tree -o gone/tree.ron", FAILED, &["gone/tree.ron", "the folder gone does not exist"]);
     refused(&folder, "voxelize missing.obj -o keep.obj", FAILED, &["missing.obj"]);
 }
 
