@@ -116,9 +116,9 @@ fn check_names_obj(path: &Path) -> Result<(), Failure> {
 /// Fills the model and prints the report.
 pub(super) fn run(args: &VoxelizeArgs) -> Result<(), Failure> {
     if let Some(path) = &args.output {
-        check_names_obj(path)?;
         out::check_writable(path)?;
         out::check_spares(path, &import::files_of(Path::new(&args.model)))?;
+        check_names_obj(path)?;
     }
     if args.model.is_empty() {
         return Err(Failure::usage(anyhow!("no model is named; give the path of a model file ({FORMATS})")));

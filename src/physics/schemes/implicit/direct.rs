@@ -2,7 +2,7 @@
 //!
 //! A light particle between stiff links, held by friction, or cells that are nearly flat: such equations are so badly scaled
 //! that iterations end before they are solved, and what is found then gains energy and is taken again in halves. Once a solve
-//! has taken as many iterations as a factor of the whole matrix costs, the matrix is factorised ([`super::envelope`]), if the
+//! has taken as many iterations as a factor of the whole matrix costs, the matrix is factorised ([`super::factor`], [`super::envelope`]), if the
 //! bodies are small enough, and the factor is the preconditioner from then on: a few iterations correct what rounding made of
 //! it, and in later rounds what has changed since. Where these get as many, it is factorised anew. So the whole costs at most
 //! twice what the better of both would (Karlin, Manasse, Rudolph and Sleator, "Competitive snoopy caching", 1988).
@@ -10,12 +10,7 @@
 use glam::{DMat3, DVec3};
 
 use super::envelope::Envelope;
-use super::matrix::grab_resistance;
-use super::system::{ImplicitWorkspace, System};
-use crate::math::{Real, Vector};
-use crate::physics::forces::links::for_each_tangent;
 use crate::physics::kernels::SimdLevel;
-use crate::physics::step::substep::Substep;
 
 /// The most particles that are solved for directly.
 const MAX_PARTICLES: usize = 1000;
@@ -44,7 +39,7 @@ pub(super) struct DirectSolver {
     /// ... and by particle of the scene its node.
     node_of: Vec<u32>,
     /// What a factor costs, in iterations; none where that is not known yet.
-    cost: Option<u64>,
+    pub(super) cost: Option<u64>,
     /// Whether it is the preconditioner.
     pub(super) is_used: bool,
 }
@@ -60,151 +55,77 @@ impl DirectSolver {
         (self.cost, self.is_used) = (None, false);
     }
 
+    /// Whether so many iterations, which did not suffice, are reason to ask for the cost of a factor.
+    pub(super) fn may_pay(&self, iterations: u64) -> bool {
+        self.is_used || iterations >= MIN_ITERATIONS
+    }
+
+    /// Whether a factor costs no more than so many iterations, where its cost is known.
+    pub(super) fn pays(&self, iterations: u64) -> bool {
+        self.cost.is_some_and(|cost| cost <= iterations.min(MAX_COST))
+    }
+
+    /// Begins the order of these free particles of a scene of `count`. Returns whether they are few enough.
+    pub(super) fn begin_order(&mut self, free: impl Iterator<Item = usize>, count: usize) -> bool {
+        let Self { envelope, particles, node_of, cost, .. } = self;
+        envelope.clear();
+        particles.clear();
+        particles.extend(free.take(MAX_PARTICLES + 1).filter_map(|particle| u32::try_from(particle).ok()));
+        if particles.len() > MAX_PARTICLES {
+            *cost = Some(u64::MAX);
+            return false;
+        }
+        node_of.clear();
+        node_of.resize(count, NO_NODE);
+        for (node, particle) in (0..).zip(&*particles) {
+            node_of[*particle as usize] = node;
+        }
+        true
+    }
+
+    /// Notes that two particles share an entry of the matrix.
+    pub(super) fn connect(&mut self, of: [usize; 2]) {
+        if let Some([one, other]) = self.nodes(of) {
+            self.envelope.connect(one, other);
+        }
+    }
+
+    /// Orders the particles, for bodies of so many links.
+    pub(super) fn order(&mut self, links: u64) {
+        let products = self.envelope.order(self.particles.len());
+        self.cost = Some(products / (links.max(1) * PRODUCTS_A_LINK));
+    }
+
+    /// Begins the matrix.
+    pub(super) fn begin(&mut self) {
+        self.envelope.begin();
+    }
+
+    /// Adds a block between two particles, that of the first by rows, if both are free. Of a block and its transpose, one is to
+    /// be added.
+    pub(super) fn add(&mut self, of: [usize; 2], block: DMat3) {
+        if let Some([one, other]) = self.nodes(of) {
+            self.envelope.add(one, other, block);
+        }
+    }
+
+    /// Factorises the matrix. Returns what it cost, in iterations.
+    pub(super) fn factorise(&mut self, level: SimdLevel) -> u64 {
+        self.envelope.factorise(level);
+        self.is_used = true;
+        self.cost.unwrap_or_default()
+    }
+
     /// Writes the solution for a residual.
     pub(super) fn precondition(&mut self, level: SimdLevel, residual: &[DVec3], scaled: &mut [DVec3]) {
         let Self { envelope, particles, .. } = self;
         let particle = |node: u32| particles[node as usize] as usize;
         envelope.solve(level, |node| residual[particle(node)], |node, solved| scaled[particle(node)] = solved);
     }
-}
 
-impl<R: Real> System<'_, R> {
-    /// Whether to factorise the matrix now, after so many iterations with the preconditioner as it is, which did not suffice.
-    pub(super) fn factor_pays(&mut self, substep: Substep<'_, R>, iterations: u64) -> bool {
-        let DirectSolver { cost, is_used, .. } = self.workspace.direct;
-        if iterations < MIN_ITERATIONS && !is_used {
-            return false;
-        }
-        let cost = cost.unwrap_or_else(|| self.order_nodes(substep));
-        self.workspace.direct.cost = Some(cost);
-        cost <= iterations.min(MAX_COST)
+    /// The nodes of two particles, if both have one.
+    fn nodes(&self, of: [usize; 2]) -> Option<[u32; 2]> {
+        let nodes = of.map(|particle| self.node_of[particle]);
+        (!nodes.contains(&NO_NODE)).then_some(nodes)
     }
-
-    /// Orders the particles. Returns what a factor costs, in iterations.
-    fn order_nodes(&mut self, substep: Substep<'_, R>) -> u64 {
-        let ranges = self.ranges();
-        if ranges.clone().map(|(_, own)| own.len()).sum::<usize>() > MAX_PARTICLES {
-            return u64::MAX;
-        }
-        let ImplicitWorkspace { direct: DirectSolver { envelope, particles, node_of, .. }, bodies, .. } =
-            &mut *self.workspace;
-        particles.clear();
-        node_of.clear();
-        node_of.resize(self.model.particle_count(), NO_NODE);
-        envelope.clear();
-        let mut links = 1;
-        for (number, own) in ranges.clone() {
-            let body = &self.model.bodies[number];
-            links += body.link_count() as u64;
-            for particle in own.clone().filter(|particle| !body.is_pinned(particle - own.start)) {
-                node_of[particle] = u32::try_from(particles.len()).unwrap_or(NO_NODE);
-                particles.push(u32::try_from(particle).unwrap_or(NO_NODE));
-            }
-        }
-        let mut connect = |[one, other]: [usize; 2]| {
-            let nodes = [node_of[one], node_of[other]];
-            if !nodes.contains(&NO_NODE) {
-                envelope.connect(nodes[0], nodes[1]);
-            }
-        };
-        for (number, own) in ranges {
-            let body = &self.model.bodies[number];
-            for (family, _) in body.links.iter().zip(substep.plan.families).filter(|(_, chosen)| *chosen) {
-                for link in family.links.iter() {
-                    connect(link.ends.map(|end| own.start + end as usize));
-                }
-            }
-            for resistance in &bodies[number].resistances {
-                all_pairs(&resistance.corners().map(|corner| own.start + corner as usize), &mut connect);
-            }
-            if let Some(grab) = self.grab.filter(|grab| grab.body == number) {
-                let held: Vec<_> = grab.weights.iter().map(|(particle, _)| *particle).collect();
-                all_pairs(&held, &mut connect);
-            }
-        }
-        for contact in &*self.points {
-            let weighed = contact.own(self.weights);
-            for (place, (one, _)) in weighed.iter().enumerate() {
-                weighed[..place].iter().for_each(|(other, _)| connect([*one as usize, *other as usize]));
-            }
-        }
-        envelope.order(particles.len()) / (links * PRODUCTS_A_LINK)
-    }
-
-    /// Factorises the matrix with the constraints as they are. Returns what it cost, in iterations.
-    pub(super) fn factorise(&mut self, substep: Substep<'_, R>) -> u64 {
-        let (ranges, dt) = (self.ranges(), self.dt);
-        let state = substep.state;
-        let ImplicitWorkspace { direct: DirectSolver { envelope, node_of, cost, is_used, .. }, bodies, .. } =
-            &mut *self.workspace;
-        envelope.begin();
-        let mut add = |[one, other]: [usize; 2], block: DMat3| {
-            let nodes = [node_of[one], node_of[other]];
-            if !nodes.contains(&NO_NODE) {
-                envelope.add(nodes[0], nodes[1], block);
-            }
-        };
-        for (number, own) in ranges {
-            let body = &self.model.bodies[number];
-            for (local, particle) in own.clone().enumerate() {
-                add([particle; 2], scaled_identity(body.mass(local).to_f64()));
-            }
-            let motion = [&state.position[own.clone()], &state.velocity[own.clone()]];
-            for_each_tangent(body, substep.plan.families, motion, R::from_f64(dt), &|| false, |ends, tangent| {
-                let stiff = dt * dt * tangent.stiffness.to_f64();
-                let across = stiff * tangent.geometric_share.to_f64();
-                let along = stiff - across + dt * tangent.damping.to_f64();
-                let block = outer(tangent.direction.to_dvec3()) * along + scaled_identity(across);
-                let [i, j] = ends.map(|end| own.start + end as usize);
-                add([i; 2], block);
-                add([j; 2], block);
-                add([i, j], -block);
-            });
-            for resistance in &bodies[number].resistances {
-                let corners = resistance.corners().map(|corner| own.start + corner as usize);
-                for (one, &i) in corners.iter().enumerate() {
-                    for (other, &j) in corners[..=one].iter().enumerate() {
-                        add([i, j], resistance.block([one, other]) * (dt * dt));
-                    }
-                }
-            }
-            if let Some(grab) = self.grab.filter(|grab| grab.body == number) {
-                let resistance = grab_resistance(grab, body, dt);
-                for (one, (i, weight)) in grab.weights.iter().enumerate() {
-                    for (j, other) in &grab.weights[..=one] {
-                        add([*i, *j], scaled_identity(resistance * weight.to_f64() * other.to_f64()));
-                    }
-                }
-            }
-        }
-        for one in &*self.at_obstacles {
-            add([one.particle; 2], *one.constraint.matrix());
-        }
-        for contact in self.points.iter().filter(|contact| contact.constraint.is_in_equations()) {
-            let (weighed, matrix) = (contact.own(self.weights), *contact.constraint.matrix());
-            for (one, (i, weight)) in weighed.iter().enumerate() {
-                for (j, other) in &weighed[..=one] {
-                    add([*i as usize, *j as usize], matrix * (weight * other));
-                }
-            }
-        }
-        envelope.factorise(self.level);
-        *is_used = true;
-        cost.unwrap_or_default()
-    }
-}
-
-/// Calls `visit` with every two of some particles.
-fn all_pairs(of: &[usize], visit: &mut impl FnMut([usize; 2])) {
-    for (place, one) in of.iter().enumerate() {
-        of[..place].iter().for_each(|other| visit([*one, *other]));
-    }
-}
-
-fn scaled_identity(by: f64) -> DMat3 {
-    DMat3::from_diagonal(DVec3::splat(by))
-}
-
-fn outer(way: DVec3) -> DMat3 {
-    DMat3::from_cols(way * way.x, way * way.y, way * way.z)
 }

@@ -26,6 +26,7 @@ pub(in crate::physics) mod balance;
 mod conjugate;
 mod direct;
 mod envelope;
+mod factor;
 mod islands;
 mod line_search;
 mod matrix;
