@@ -314,7 +314,7 @@ fn solve(rows: &[Row], values: &[f64], solution: &mut [f64]) {
     for (i, row) in rows.iter().enumerate() {
         let (line, first) = (row.line(i), 3 * row.first as usize);
         for c in 0..3 {
-            let factors = &values[row.start + c * line..][..line - 3 + c + 1];
+            let factors = &values[row.start + c * line..][..=line - 3 + c];
             let (factors, inverse) = (&factors[..factors.len() - 1], factors[factors.len() - 1]);
             let own = first + factors.len();
             let sum = dot(factors, &solution[first..own]);
@@ -324,7 +324,7 @@ fn solve(rows: &[Row], values: &[f64], solution: &mut [f64]) {
     for (i, row) in rows.iter().enumerate().rev() {
         let (line, first) = (row.line(i), 3 * row.first as usize);
         for c in (0..3).rev() {
-            let factors = &values[row.start + c * line..][..line - 3 + c + 1];
+            let factors = &values[row.start + c * line..][..=line - 3 + c];
             let (factors, inverse) = (&factors[..factors.len() - 1], factors[factors.len() - 1]);
             let (before, own) = solution.split_at_mut(first + factors.len());
             own[0] *= inverse;

@@ -42,15 +42,15 @@ impl<R: Real> System<'_, R> {
             }
             for resistance in &bodies[number].resistances {
                 let corners = resistance.corners().map(|corner| own.start + corner as usize);
-                all_pairs(corners.into_iter(), |pair| direct.connect(pair));
+                all_pairs(&corners.into_iter(), |pair| direct.connect(pair));
             }
             if let Some(grab) = self.grab.filter(|grab| grab.body == number) {
-                all_pairs(grab.weights.iter().map(|(particle, _)| *particle), |pair| direct.connect(pair));
+                all_pairs(&grab.weights.iter().map(|(particle, _)| *particle), |pair| direct.connect(pair));
             }
         }
         for contact in &*self.points {
             let weighed = contact.own(self.weights).iter().map(|(particle, _)| *particle as usize);
-            all_pairs(weighed, |pair| direct.connect(pair));
+            all_pairs(&weighed, |pair| direct.connect(pair));
         }
         direct.order(links);
     }
@@ -110,7 +110,7 @@ impl<R: Real> System<'_, R> {
 }
 
 /// Calls `visit` with every two of some particles.
-fn all_pairs(of: impl Iterator<Item = usize> + Clone, mut visit: impl FnMut([usize; 2])) {
+fn all_pairs(of: &(impl Iterator<Item = usize> + Clone), mut visit: impl FnMut([usize; 2])) {
     for (place, one) in of.clone().enumerate() {
         of.clone().take(place).for_each(|other| visit([one, other]));
     }
