@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::matrix::grab_resistance;
+use super::matrix::{grab_resistance, link_resistances};
 use super::system::{ImplicitWorkspace, System};
 use crate::math::{Real, Vector};
 use crate::physics::forces::links::for_each_tangent;
@@ -68,9 +68,7 @@ impl<R: Real> System<'_, R> {
             }
             let motion = [&state.position[own.clone()], &state.velocity[own.clone()]];
             for_each_tangent(body, substep.plan.families, motion, R::from_f64(dt), &|| false, |ends, tangent| {
-                let stiff = dt * dt * tangent.stiffness.to_f64();
-                let across = stiff * tangent.geometric_share.to_f64();
-                let along = stiff - across + dt * tangent.damping.to_f64();
+                let [across, along] = link_resistances(&tangent, dt);
                 let block = outer(tangent.direction.to_dvec3()) * along + scaled_identity(across);
                 let [i, j] = ends.map(|end| own.start + end as usize);
                 direct.add([i; 2], block);

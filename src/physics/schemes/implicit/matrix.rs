@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::system::{BodyEquations, ImplicitWorkspace, LinkBlock, System};
 use crate::math::{Real, Vector};
 use crate::physics::forces::exact::ByPiece;
-use crate::physics::forces::links::for_each_tangent;
+use crate::physics::forces::links::{LinkTangent, for_each_tangent};
 use crate::physics::forces::recovery;
 use crate::physics::interaction::{Grab, resistance};
 use crate::physics::kernels::Piece;
@@ -132,6 +132,13 @@ pub(super) enum Factor {
     Search,
 }
 
+/// What a link resists in a step of `dt` (s), kg: in every direction, and beside that along it.
+pub(super) fn link_resistances<R: Real>(tangent: &LinkTangent<R>, dt: f64) -> [f64; 2] {
+    let stiff = dt * dt * tangent.stiffness.to_f64();
+    let across = stiff * tangent.geometric_share.to_f64();
+    [across, stiff - across + dt * tangent.damping.to_f64()]
+}
+
 /// Makes the blocks of all links along their list, and adds a third of the trace of each to the diagonal of both ends.
 fn make_blocks<R: Real>(
     body: &BodyModel<R>,
@@ -144,10 +151,7 @@ fn make_blocks<R: Real>(
 ) {
     blocks.clear();
     for_each_tangent(body, families, motion, R::from_f64(dt), stops, |[i, j], tangent| {
-        let stiff = dt * dt * tangent.stiffness.to_f64();
-        let across = stiff * tangent.geometric_share.to_f64();
-        let damping = dt * tangent.damping.to_f64();
-        let along = stiff - across + damping;
+        let [across, along] = link_resistances(&tangent, dt);
         let direction = tangent.direction.to_dvec3();
         let diagonal = across + along / 3.0;
         diagonals[i as usize] += diagonal;
