@@ -91,7 +91,7 @@ fn an_obstacle_that_is_about_to_sweep_still_holds_what_it_held() {
 
 /// An undamped cube that is thrown onto an edge, harder than the implicit integrator can follow in any step.
 fn shattering_cube() -> Scene {
-    let mut scene = falling(cube(3, 0.5, springs(1e7, 0.0, 1e-3), [0.0, 0.6, 0.0]));
+    let mut scene = falling(cube(4, 0.5, springs(1e7, 0.0, 1e-3), [0.0, 0.6, 0.0]));
     scene.bodies[0].velocity = [0.0, -1000.0, 0.0];
     scene.bodies[0].pose.rotation_deg = [30.0, 0.0, 45.0];
     scene.obstacles = vec![plane([0.0; 3], [0.0; 3], [0.5, 0.4])];

@@ -6,10 +6,6 @@ use glam::{DMat3, DVec3};
 /// Relative tolerance: friction this close to Coulomb's law counts as right.
 const FRICTION_TOLERANCE: f64 = 1e-3;
 
-/// How many times stiffer the depth limit is than the point's particles and their links. The solution exceeds the limit by that much
-/// less than it would without it; the rest is taken away after the solve.
-const DEPTH_LIMIT_RATIO: f64 = 1e4;
-
 /// The sliding speed at which friction has 0.7 of Coulomb's strength, as a share of the body's size in a second. A held
 /// point creeps this fast, too slowly to be seen.
 const CREEP_SPEED_SHARE: f64 = 1e-9;
@@ -25,6 +21,28 @@ const STOPPED_SPEED_SHARE: f64 = 1e-7;
 /// A point that slides by more than this share of its body's size in a second when a substep begins feels dynamic friction
 /// throughout the substep; others feel static friction.
 const STILL_SPEED_SHARE: f64 = 1e-3;
+
+/// How much stiffer the depth limit is than the point's particles and their links. A solution exceeds the limit by that much less
+/// than it would without it; the rest is taken away after the solve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::physics) enum DepthLimit {
+    /// Little: the equations take half the iterations where many points meet their limits, and the rounds settle sooner. What is
+    /// taken away lifts a point against the links that press it. That is energy from nowhere, too much of it for a body
+    /// that is pressed slowly.
+    #[default]
+    Yielding,
+    /// So much that what is taken away does not count.
+    Firm,
+}
+
+impl DepthLimit {
+    fn ratio(self) -> f64 {
+        match self {
+            Self::Yielding => 100.0,
+            Self::Firm => 1e4,
+        }
+    }
+}
 
 /// A point in contact within one implicit substep, in double precision: a particle at an obstacle, or a point of a body in a
 /// cell, whose velocity is then relative to the cell.
@@ -201,6 +219,11 @@ impl ContactConstraint {
         if self.pushes { normal - self.coulomb_drag(self.sliding(velocity)) } else { normal }
     }
 
+    /// Whether the last solution has the point at the limit of its depth.
+    pub(super) fn is_at_depth_limit(&self) -> bool {
+        self.pushes && self.is_at_depth_limit
+    }
+
     /// Whether its law makes it push at the last solution, which has no push of it: the rounds ended too early.
     pub(super) fn is_left_out(&self) -> bool {
         self.pushes && self.impulse.dot(self.normal) <= 0.0
@@ -212,10 +235,9 @@ impl ContactConstraint {
         relative - self.normal * relative.dot(self.normal)
     }
 
-    /// Makes the depth limit much stiffer than the point itself, whose velocity changes by one over `resistance` (kg)
-    /// for every N·s.
-    pub(in crate::physics) fn stiffen_depth_limit(&mut self, resistance: f64) {
-        self.depth_limit_resistance = DEPTH_LIMIT_RATIO * resistance;
+    /// Makes the depth limit stiffer than the point itself, whose velocity changes by one over `resistance` (kg) for every N·s.
+    pub(in crate::physics) fn stiffen_depth_limit(&mut self, limit: DepthLimit, resistance: f64) {
+        self.depth_limit_resistance = limit.ratio() * resistance;
     }
 
     /// Returns the normal impulse by the laws of contact, N·s.

@@ -60,7 +60,7 @@ mod workspace;
 pub(super) use bodies::BYTES_A_POINT;
 pub use bodies::BodyContact;
 pub(super) use candidates::{meet_obstacles, meet_on_paths};
-pub(super) use constraint::{ContactConstraint, ParticleConstraint};
+pub(super) use constraint::{ContactConstraint, DepthLimit, ParticleConstraint};
 pub(super) use held::limit_depths;
 pub(super) use narrow::mesh::NearestPointCache;
 pub use placed::Placed;

@@ -2,7 +2,7 @@
 
 use super::bodies::{BodiesWorkspace, BodyContact};
 use super::broad::BroadPhase;
-use super::constraint::ParticleConstraint;
+use super::constraint::{ContactConstraint, DepthLimit, ParticleConstraint};
 use super::distance_cache::DISTANCE_CACHE_BYTES;
 use super::narrow::mesh::NearestPointCache;
 use super::record::ContactRecord;
@@ -94,6 +94,8 @@ pub(crate) struct ContactWorkspace<R: Real> {
     pub(in crate::physics) constraints: Vec<ParticleConstraint>,
     /// ... and those of points that it solves for with them: of bodies in each other, then of meshes at obstacles.
     pub(in crate::physics) equations: WeightedConstraints,
+    /// How stiff the depth limit is in both.
+    pub(in crate::physics) depth_limit: DepthLimit,
     /// Workspace and results of contact between bodies.
     pub(in crate::physics) bodies: BodiesWorkspace<R>,
     /// Workspace and results of contact on meshes of bodies.
@@ -133,6 +135,7 @@ impl<R: Real> ContactWorkspace<R> {
             contacts: Vec::with_capacity(pairs),
             marked_near: vec![true; model.bodies.len() * model.obstacles.len()],
             constraints: Vec::with_capacity(solved_for),
+            depth_limit: DepthLimit::default(),
             equations: WeightedConstraints::default(),
             bodies: BodiesWorkspace::new(model, plan),
             samples: SamplesWorkspace::new(model, plan),
@@ -152,6 +155,14 @@ impl<R: Real> ContactWorkspace<R> {
     pub(in crate::physics) fn begin_equations(&mut self) {
         self.equations.clear();
         self.equations.make_room(self.bodies.room() + self.samples.room());
+    }
+
+    /// Whether the last solution of the equations has a point at the limit of its depth.
+    pub(in crate::physics) fn is_at_depth_limit(&self) -> bool {
+        let of_particles = self.constraints.iter().map(|one| &one.constraint);
+        of_particles
+            .chain(self.equations.all.iter().map(|one| &one.constraint))
+            .any(ContactConstraint::is_at_depth_limit)
     }
 
     /// Presses no spring of a point further than it was when the substep began: the motion that presses it was not made.

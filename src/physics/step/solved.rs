@@ -4,7 +4,7 @@
 use super::substep::{OnEnergyGain, Substep};
 use super::workspace::StepWorkspace;
 use crate::math::{Real, Vector};
-use crate::physics::contact::{self, ContactWorkspace, Contacts};
+use crate::physics::contact::{self, ContactWorkspace, Contacts, DepthLimit};
 use crate::physics::forces::exact::ExactLinks;
 use crate::physics::model::plan::Stage;
 use crate::physics::report::Recorder;
@@ -23,21 +23,22 @@ pub(super) fn find_velocities<R: Real>(
     workspace: &mut StepWorkspace<R>,
     recorder: &mut Recorder<'_>,
 ) -> bool {
-    solve(substep, workspace, recorder);
-    if on_energy_gain == OnEnergyGain::Take || recorder.has_stopped() {
+    if on_energy_gain == OnEnergyGain::Take {
+        solve(substep, DepthLimit::Firm, workspace, recorder);
         return true;
     }
-    let StepWorkspace { velocity, force, contact, scheme, forces: of_forces, .. } = workspace;
-    let contacts = contact.all_contacts();
-    let end = SubstepEnd { velocity, moving: scheme.moving(velocity), force, contacts };
-    let stops = || recorder.stops();
-    if substep.stays_finite(velocity)
-        && substep.stays_finite(end.moving)
-        && !gains_energy(substep, end, &mut of_forces.exact, &stops)
-    {
-        return true;
+    for depth_limit in [DepthLimit::Yielding, DepthLimit::Firm] {
+        solve(substep, depth_limit, workspace, recorder);
+        if recorder.has_stopped() || is_acceptable(substep, workspace, recorder) {
+            return true;
+        }
+        if !workspace.contact.is_at_depth_limit() {
+            break;
+        }
     }
     if on_energy_gain == OnEnergyGain::Slow {
+        let StepWorkspace { velocity, force, contact, scheme, forces: of_forces, .. } = workspace;
+        let (contacts, stops) = (contact.all_contacts(), || recorder.stops());
         slow(substep, velocity, force, contacts, &mut of_forces.exact, &stops);
         contact.press_no_further(substep.state);
         if let Some(moving) = &mut scheme.mean_velocity {
@@ -47,8 +48,23 @@ pub(super) fn find_velocities<R: Real>(
     on_energy_gain == OnEnergyGain::Slow
 }
 
+/// Whether the velocities keep all particles in finite places and give no energy from nowhere.
+fn is_acceptable<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &Recorder<'_>) -> bool {
+    let StepWorkspace { velocity, force, contact, scheme, forces: of_forces, .. } = workspace;
+    let end = SubstepEnd { velocity, moving: scheme.moving(velocity), force, contacts: contact.all_contacts() };
+    substep.stays_finite(velocity)
+        && substep.stays_finite(end.moving)
+        && !gains_energy(substep, end, &mut of_forces.exact, &|| recorder.stops())
+}
+
 /// Solves for the velocities.
-fn solve<R: Real>(substep: Substep<'_, R>, workspace: &mut StepWorkspace<R>, recorder: &mut Recorder<'_>) {
+fn solve<R: Real>(
+    substep: Substep<'_, R>,
+    depth_limit: DepthLimit,
+    workspace: &mut StepWorkspace<R>,
+    recorder: &mut Recorder<'_>,
+) {
+    workspace.contact.depth_limit = depth_limit;
     let (mut stepper, contact, velocity) = workspace.stepper(substep);
     find_constraints(substep, &mut stepper, velocity, contact, recorder);
     if !solve_equations(substep, &mut stepper, velocity, contact, recorder) {

@@ -64,15 +64,15 @@ impl<R: Real> System<'_, R> {
             equations.squared_tolerance =
                 (moving.min(known) * TOLERANCE * TOLERANCE).max(known * MIN_TOLERANCE * MIN_TOLERANCE);
         }
-        let Self { at_obstacles, points, weights, workspace, .. } = self;
+        let Self { at_obstacles, points, weights, workspace, depth_limit, .. } = self;
         for touching in &mut **at_obstacles {
-            touching.constraint.stiffen_depth_limit(workspace.diagonal[touching.particle]);
+            touching.constraint.stiffen_depth_limit(*depth_limit, workspace.diagonal[touching.particle]);
         }
         for contact in points.iter_mut().filter(|contact| contact.has_depth_limit) {
             let gives = contact.own(weights).iter().fold(0.0, |sum, &(particle, weight)| {
                 sum + weight * weight * workspace.inverse_diagonal[particle as usize].x
             });
-            contact.constraint.stiffen_depth_limit(1.0 / gives);
+            contact.constraint.stiffen_depth_limit(*depth_limit, 1.0 / gives);
         }
     }
 

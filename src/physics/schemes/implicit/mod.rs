@@ -123,6 +123,7 @@ pub(super) fn solve<R: Real>(
             at_obstacles: at_obstacles.split_off_mut(..own).unwrap_or_default(),
             points: points.split_off_mut(..own_points).unwrap_or_default(),
             weights,
+            depth_limit: contact.depth_limit,
             exact,
             workspace,
         };

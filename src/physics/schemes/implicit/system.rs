@@ -10,7 +10,7 @@ use super::multigrid::Multigrid;
 use super::points::PointBlocks;
 use super::rigid::RigidMotions;
 use crate::math::{Real, Vector};
-use crate::physics::contact::{ParticleConstraint, WeightedConstraint};
+use crate::physics::contact::{DepthLimit, ParticleConstraint, WeightedConstraint};
 use crate::physics::forces::exact::ExactLinks;
 use crate::physics::forces::recovery::Resistance;
 use crate::physics::interaction::Grab;
@@ -146,6 +146,7 @@ pub(super) struct System<'a, R: Real> {
     pub(super) points: &'a mut [WeightedConstraint],
     /// ... and the particles that all contacts of points weigh.
     pub(super) weights: &'a [(u32, f64)],
+    pub(super) depth_limit: DepthLimit,
     /// The links in the boxes of bodies.
     pub(super) exact: &'a mut ExactLinks,
     pub(super) workspace: &'a mut ImplicitWorkspace<R>,
