@@ -84,7 +84,8 @@ fn panels_drawn_in_parts_look_like_panels_drawn_at_once() {
         window.hide_and_show();
         window.wait_until_still();
         let at_once = window.shot();
-        assert!(!at_once.differs(&in_parts, at_once.whole()), "something was left of what the panels showed before");
+        let is_same = !at_once.differs(&in_parts, at_once.whole());
+        assert!(is_same, "what the panels showed before has left {:?}", at_once.difference(&in_parts));
     });
 }
 

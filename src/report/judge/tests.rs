@@ -379,10 +379,12 @@ fn what_cannot_be_over_in_time_is_cut_short_early() {
         let most_link_forces = count(share * (whole.work * links) as f64);
         judge::<f32>(&scene, &lattices, Patience { most_link_forces, ..PATIENCE })
     };
-    let [hopeful, hopeless] = [0.95, 0.3].map(of);
-    assert!(!whole.cut_short && hopeful.cut_short && hopeless.cut_short, "{whole:?}, {hopeful:?}, {hopeless:?}");
+    let [hopeful, half, hopeless] = [0.95, 0.5, 0.3].map(of);
+    assert!([&hopeful, &half, &hopeless].iter().all(|verdict| verdict.cut_short) && !whole.cut_short, "{whole:?}");
     let share = |verdict: &Verdict| verdict.work as f64 / whole.work as f64;
     assert!(share(&hopeful) > 0.9, "nearly all may be enough: {hopeful:?} of {whole:?}");
+    // It is over with what is left if it then goes on three times as fast.
+    assert!((0.22..0.28).contains(&share(&half)), "half may be enough until a quarter is over: {half:?} of {whole:?}");
     assert!(share(&hopeless) < 0.1, "three tenths cannot be: {hopeless:?} of {whole:?}");
 }
 
