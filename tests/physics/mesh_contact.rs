@@ -158,7 +158,7 @@ fn light_stiff_models_that_hit_the_ground_gain_no_energy() {
             let mut made = Made::of(shape, Material::Springs(stiff), [0.0, 0.2, 0.0]).on(floor());
             let settings = &mut made.scene.settings;
             (settings.gravity, settings.dt) = ([0.0, -1000.0, 0.0], 0.0038);
-            made.scene.bodies[0].velocity = [0.0, -12.8, 0.0];
+            made.scene.bodies[0].velocity = [0.0, -30.0, 0.0];
             made.scene.bodies[0].pose.rotation_deg = [(); 3].map(|()| 360.0 * rng.unit());
             let mut simulation = made.simulate::<f32>();
             let before = simulation.diagnostics().energy.total();

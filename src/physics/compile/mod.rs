@@ -2,7 +2,6 @@
 //! links, frames obstacles, plans steps.
 
 mod assembly;
-mod contact;
 mod edges;
 mod kinds;
 mod link_classes;
@@ -153,7 +152,6 @@ pub(super) fn compile<R: Real>(
         first = compiled.particles.end;
         model.bodies.push(compiled);
     }
-    contact::share_loads(&mut model, scene);
     model.fall_limit = fallen::limit(&model);
     let plan = plan::plan(&scene.settings, modal::without_modal(&model).as_ref().unwrap_or(&model));
     for body in &mut model.bodies {
@@ -227,13 +225,16 @@ fn compile_body<R: Real>(
         |body| body.boxed_links.as_ref().map(|boxed| Arc::clone(&boxed.layout)),
     );
     let boxed_links = layout.map(|layout| BoxedLinks::new(layout, lattice, &links));
+    let load = max_carried_particles(lattice) * heaviest * gravity;
     let meets_others = scene.settings.body_contact && body.collides && scene.bodies.len() > 1;
     let is_on_mesh = body.contact_on == ContactOn::Mesh;
     let samples_known = known.and_then(|body| body.samples.as_ref().map(Arc::clone));
     let samples_known = samples_known.filter(|samples| samples.meet_bodies || !meets_others);
     let new_samples = || Samples::new(lattice, meets_others).map(Arc::new);
     let samples = if is_on_mesh { samples_known.or_else(new_samples) } else { None };
-    let own_load = contact::own_load(lattice, [heaviest, particle_mass], samples.is_some(), gravity);
+    // A body may stand on a single point of its mesh, pressed in by a quarter of the depth limit.
+    let weight = particle_mass * rest.len() as f64 * gravity;
+    let max_point_load = if samples.is_some() { load.max(4.0 * weight) } else { load };
     let hull = known.map_or_else(Arc::default, |body| Arc::clone(&body.body_contact.hull));
     BodyModel {
         particles: first..first + rest.len(),
@@ -254,7 +255,7 @@ fn compile_body<R: Real>(
         contacts: scene
             .obstacles
             .iter()
-            .map(|obstacle| contact::contact(obstacle, heaviest, size, own_load, lattice.grid.cell_size))
+            .map(|obstacle| obstacles::contact(obstacle, heaviest, size, max_point_load, lattice.grid.cell_size))
             .collect(),
         body_contact: BodyContactModel {
             meets_others,
@@ -262,8 +263,7 @@ fn compile_body<R: Real>(
             hull,
             friction: [body.friction_static, body.friction_dynamic],
             heaviest,
-            own_load,
-            load_of_others: 0.0,
+            max_load: max_point_load,
         },
         modal: None,
         samples,
@@ -277,6 +277,22 @@ fn known_load_share<R: Real>(bodies: &[BodyModel<R>], lattice: &Arc<Lattice>) ->
         _ => None,
     };
     bodies.iter().filter(|body| Arc::ptr_eq(&body.lattice, lattice)).find_map(of_one)
+}
+
+/// Particles that one particle in contact may have to carry at rest: the tallest column, or all of them on the
+/// smallest of the six outer layers, as a tree stands on its trunk.
+fn max_carried_particles(lattice: &Lattice) -> f64 {
+    let mut column = 0;
+    let mut layer = usize::MAX;
+    for axis in 0..3 {
+        let along = || lattice.corners.iter().map(|corner| corner[axis]);
+        let (Some(low), Some(high)) = (along().min(), along().max()) else { return 0.0 };
+        column = column.max(high - low + 1);
+        for end in [low, high] {
+            layer = layer.min(along().filter(|&c| c == end).count());
+        }
+    }
+    f64::from(column).max(lattice.corners.len() as f64 / layer as f64)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Obstacles of a scene → obstacles of a model.
+//! Obstacles of a scene → obstacles of a model, and how bodies meet them.
 
 use std::sync::Arc;
 
@@ -6,11 +6,40 @@ use glam::{DMat3, DVec3};
 
 use super::edges::{EdgeSizes, edges};
 use crate::math::{Aabb, Real, RigidMotion, Vector, rotation};
+use crate::physics::contact::{DEPTH_SHARE, STIFFNESS_OVER_MASS};
 use crate::physics::model::{
-    Edges, MeshModel, Model, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel, grown_for_rounding,
+    ContactModel, Edges, MeshModel, Model, ObstacleModel, ObstacleShape, OrientedForm, OrientedModel, PlaneModel,
+    grown_for_rounding,
 };
-use crate::scene::obstacle::{Capsule, Cylinder, Mesh, Plane};
+use crate::scene::obstacle::{Capsule, ContactStiffness, Cylinder, Mesh, Plane};
 use crate::scene::{self, Obstacle};
+
+/// No particle rests, or ends a step, deeper in a closed form than this share of the way to its middle: past that the
+/// nearest way out is the other side.
+const MAX_DEPTH_SHARE: f64 = 0.5;
+
+/// How a body of this size (m) meets an obstacle; `mass` is that of its heaviest particle (kg), `load` what one may have to
+/// carry (N).
+pub(super) fn contact<R: Real>(
+    obstacle: &Obstacle,
+    mass: f64,
+    size: f64,
+    load: f64,
+    cell_size: f64,
+) -> ContactModel<R> {
+    let thin = obstacle.shape.half_thickness().map_or(f64::INFINITY, |half| MAX_DEPTH_SHARE * half);
+    let depth_limit = (DEPTH_SHARE * size).min(thin);
+    let stiffness = match obstacle.stiffness {
+        ContactStiffness::Given(stiffness) => stiffness,
+        ContactStiffness::Auto => (STIFFNESS_OVER_MASS * mass).max(load / depth_limit),
+    };
+    ContactModel {
+        stiffness: R::from_f64(stiffness),
+        damping: R::from_f64(2.0 * (stiffness * mass).sqrt()),
+        depth_limit: R::from_f64(depth_limit),
+        thesis_threshold: R::from_f64(cell_size),
+    }
+}
 
 /// The obstacles of a scene, with edges of these `sizes` for its bodies. The edges of a mesh that is among those of the model
 /// `before`, with bodies that need the same, are taken from there.

@@ -1,12 +1,11 @@
 //! The loads of a step that have to stay below their limit: the share of contact, and how much lighter a body may be.
 
-use super::contact::contact_alone;
 use crate::geometry::Family;
 use crate::math::Real;
 use crate::physics::limits::{
     ContactPush, LATTICE_LIMIT, LoadShare, Margin, has_pushes, load_shares, most_stiffness_per_damping,
 };
-use crate::physics::model::{BodyModel, ContactModel, Scheme};
+use crate::physics::model::{BodyModel, Scheme};
 use crate::scene::Scene;
 use crate::scene::material::Spring;
 use crate::scene::obstacle::ContactStiffness;
@@ -56,7 +55,7 @@ impl LoadShare {
 pub struct ContactLoad {
     /// Of obstacles whose stiffness follows from the mass: the same whatever that is.
     following: ObstacleLoad,
-    /// Of obstacles whose stiffness is given, or follows from the mass of other bodies: it falls as the mass grows.
+    /// Of obstacles whose stiffness is given: it falls as the mass grows.
     given: ObstacleLoad,
 }
 
@@ -82,18 +81,13 @@ impl ContactLoad {
         let has_pushes = has_pushes(StepSettings::of(scene).scheme(), scene.settings.contact.into());
         let lightest = body.lightest_mass().to_f64();
         for (obstacle, contact) in scene.obstacles.iter().zip(&body.contacts) {
-            let of = |contact: &ContactModel<R>| ObstacleLoad {
-                stiffness: if is_thesis { contact.stiffness.to_f64() / lightest } else { 0.0 },
-                pushes: if has_pushes { ContactPush::of_contact(contact, lightest) } else { ContactPush::default() },
+            let of_kind = match obstacle.stiffness {
+                ContactStiffness::Auto => &mut load.following,
+                ContactStiffness::Given(_) => &mut load.given,
             };
-            if obstacle.stiffness == ContactStiffness::Auto {
-                let alone = contact_alone(body, contact);
-                load.following = load.following.max(of(&alone));
-                if contact.stiffness <= alone.stiffness {
-                    continue;
-                }
-            }
-            load.given = load.given.max(of(contact));
+            let stiffness = if is_thesis { contact.stiffness.to_f64() / lightest } else { 0.0 };
+            let pushes = if has_pushes { ContactPush::of_contact(contact, lightest) } else { ContactPush::default() };
+            *of_kind = of_kind.max(ObstacleLoad { stiffness, pushes });
         }
         load
     }

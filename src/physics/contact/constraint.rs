@@ -26,9 +26,9 @@ const STILL_SPEED_SHARE: f64 = 1e-3;
 /// than it would without it; the rest is taken away after the solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::physics) enum DepthLimit {
-    /// Little: the equations take half the iterations where many points meet their limits, and the rounds settle sooner. What is
-    /// taken away lifts a point against the links that press it. That is energy from nowhere, too much of it for a body
-    /// that is pressed slowly.
+    /// Little: the equations take a third of the iterations where many points meet their limits, and the rounds settle sooner. What
+    /// is taken away lifts a point against the links that press it. That is energy from nowhere, too much of it for a
+    /// body that is pressed slowly.
     #[default]
     Yielding,
     /// So much that what is taken away does not count.
@@ -38,7 +38,7 @@ pub(in crate::physics) enum DepthLimit {
 impl DepthLimit {
     fn ratio(self) -> f64 {
         match self {
-            Self::Yielding => 100.0,
+            Self::Yielding => 30.0,
             Self::Firm => 1e4,
         }
     }

@@ -178,16 +178,7 @@ pub(in crate::physics) struct BodyContactModel {
     /// Mass of its heaviest particle, kg.
     pub(in crate::physics) heaviest: f64,
     /// The part of its weight that one outer particle may have to carry at rest, N.
-    pub(in crate::physics) own_load: f64,
-    /// What others that lie on the body may add to that, N.
-    pub(in crate::physics) load_of_others: f64,
-}
-
-impl BodyContactModel {
-    /// The most that one outer particle may have to carry at rest, N.
-    pub(in crate::physics) fn max_load(&self) -> f64 {
-        self.own_load.max(self.load_of_others)
-    }
+    pub(in crate::physics) max_load: f64,
 }
 
 impl<R: Real> BodyModel<R> {

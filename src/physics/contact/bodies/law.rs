@@ -15,7 +15,7 @@ pub(in crate::physics) fn pair_law<R: Real>(model: &Model<R>, bodies: [usize; 2]
     let cell = smaller([one, other].map(|body| body.lattice.grid.cell_size));
     let [a, b] = [one, other].map(|body| &body.body_contact);
     let depth_limit = (DEPTH_SHARE * size).min(CELL_SHARE * cell);
-    let load = a.max_load() + b.max_load();
+    let load = a.max_load + b.max_load;
     let stiffness = (STIFFNESS_OVER_MASS * a.heaviest.max(b.heaviest)).max(load / depth_limit);
     let friction = [0, 1].map(|which| (a.friction[which] * b.friction[which]).sqrt());
     PointLaw {

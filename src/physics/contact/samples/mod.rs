@@ -212,7 +212,7 @@ fn law<R: Real>(substep: Substep<'_, R>, number: usize, obstacle: usize) -> Poin
         stiffness: contact.stiffness,
         damping_ratio: 1.0,
         depth_limit: contact.depth_limit,
-        load: body.body_contact.max_load(),
+        load: body.body_contact.max_load,
         max_parting_speed: PARTING_SPEED_SHARE * body.size.to_f64(),
         friction: [met_obstacle.friction_static.to_f64(), met_obstacle.friction_dynamic.to_f64()],
     }
