@@ -4,6 +4,7 @@
 use std::process::Command;
 use std::time::Duration;
 
+use super::shot::Shot;
 use super::window::{Window, alone};
 
 /// The least speed of the simulation beside its window, as a share of its speed alone.
@@ -82,6 +83,8 @@ fn panels_drawn_in_parts_look_like_panels_drawn_at_once() {
         window.wait_until_still();
         let in_parts = window.shot();
         window.hide_and_show();
+        // A busy machine leaves it black for a while, which is still, too.
+        window.wait_until("it is drawn again", Shot::has_bottom_bar);
         window.wait_until_still();
         let at_once = window.shot();
         let is_same = !at_once.differs(&in_parts, at_once.whole());
