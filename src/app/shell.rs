@@ -176,7 +176,12 @@ impl Shell {
                 self.canvas.resize();
                 self.changed = true;
             }
-            WindowEvent::Occluded(occluded) => self.set_visible(!occluded),
+            WindowEvent::Occluded(occluded) => {
+                self.set_visible(!occluded);
+                if !occluded {
+                    self.drawing.note_uncovered();
+                }
+            }
             WindowEvent::Focused(false) => self.files.on_keyboard_lost(),
             _ => (),
         }

@@ -77,7 +77,9 @@ impl Shell {
     fn draw_frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ShellError> {
         let begin = Instant::now();
         // A frame that the system requests shows everything again.
-        let exposed = !std::mem::take(&mut self.drawing.frame_requested);
+        let [requested, uncovered] =
+            [&mut self.drawing.frame_requested, &mut self.drawing.uncovered].map(std::mem::take);
+        let exposed = uncovered || !requested;
         let run = exposed || self.drawing.panels_due.at.is_some_and(|at| at <= begin) || self.canvas.needs_panels();
         let is_urgent = self.drawing.panels_due.is_urgent;
         if run && let Err(error) = self.draw_inset() {

@@ -39,6 +39,8 @@ pub(super) struct Drawing {
     pub(super) put_off: bool,
     /// The next frame has been requested from the window.
     pub(super) frame_requested: bool,
+    /// The system has forgotten what the window shows.
+    pub(super) uncovered: bool,
     pub(super) panels_ran: Instant,
     pub(super) shapes: Vec<ClippedShape>,
     pub(super) pixels_per_point: f32,
@@ -60,6 +62,7 @@ impl Drawing {
             picture_due: Due { at: Some(now), is_urgent: false },
             put_off: false,
             frame_requested: false,
+            uncovered: false,
             panels_ran: now,
             shapes: Vec::new(),
             pixels_per_point: 0.0,
@@ -72,6 +75,13 @@ impl Drawing {
     /// Notes that a person moved the pointer or pressed something.
     pub(super) fn note_touch(&mut self) {
         self.redraw_policy.note_touch(Instant::now());
+        self.ask_panels();
+    }
+
+    /// Asks for everything to be shown again, as the window has come into sight. The system requests a frame for that, but winit
+    /// makes one request of that and of one of our own.
+    pub(super) fn note_uncovered(&mut self) {
+        self.uncovered = true;
         self.ask_panels();
     }
 
