@@ -48,21 +48,14 @@ impl Shot {
         found.map(|at| [at % self.size[0], at / self.size[0]]).collect()
     }
 
-    /// How many pixels of two screenshots differ, and the box around them.
-    pub(super) fn difference(&self, other: &Self) -> (usize, Option<ViewRect>) {
-        let width = usize::try_from(self.size[0]).expect("not negative");
-        let at = |index: usize| Vec2::new((index % width) as f32, (index / width) as f32);
-        let differing =
-            (0..self.pixels.len()).filter(|&index| self.pixels.get(index) != other.pixels.get(index)).map(at);
-        differing.fold((0, None), |(count, around): (usize, Option<ViewRect>), at| {
-            let [low, high] =
-                around.map_or([at; 2], |around| [around.origin.min(at), (around.origin + around.size).max(at)]);
-            (count + 1, Some(ViewRect { origin: low, size: high - low }))
-        })
+    pub(super) fn differs(&self, other: &Self, part: ViewRect) -> bool {
+        self.difference(other, part) > 0
     }
 
-    pub(super) fn differs(&self, other: &Self, part: ViewRect) -> bool {
-        self.size != other.size || self.within(part).any(|index| self.pixels[index] != other.pixels[index])
+    /// How many pixels of a part differ; of pictures of other sizes, all.
+    pub(super) fn difference(&self, other: &Self, part: ViewRect) -> usize {
+        let is_other = |&index: &usize| self.size != other.size || self.pixels[index] != other.pixels[index];
+        self.within(part).filter(is_other).count()
     }
 
     /// The share of the view in the raspberry colour of the first body.
